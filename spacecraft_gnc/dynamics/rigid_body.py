@@ -1,0 +1,215 @@
+"""Rigid-body attitude dynamics by a Lie group variational integrator.
+
+With R the attitude (body to inertial), Pi the angular momentum in the body frame [N m s], u the
+body torque [N m], h the time step [s] and Jd = tr(J)/2 I - J:
+
+    h hat(Pi_k) = F_k Jd - Jd F_k^T,   R_{k+1} = R_k F_k,   Pi_{k+1} = F_k^T Pi_k + h u_k.
+
+In the quaternion (q0, q) of F_k the first equation reads 2 q0 J q + 2 q x (J q) = h Pi_k and is
+solved by Newton's method without trigonometry.
+
+Source: Gupta et al. 2015, (2)-(4); Kalabic et al. 2014, (1) and the solvability condition (3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from spacecraft_gnc.dynamics._lgvi_kernels import advance, propagate, solvable
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    Matrix3,
+    Vector3,
+    as_inertia,
+    as_rotation,
+    as_vector3,
+    read_only,
+)
+
+
+def pack_inertia(inertia: Matrix3) -> Array:
+    """Return J, J^-1, Jd (row-major) and the smallest eigenvalue of Jd as one array (28,)."""
+    nonstandard = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    smallest = float(np.linalg.eigvalsh(nonstandard)[0])
+    parts = (inertia.ravel(), np.linalg.inv(inertia).ravel(), nonstandard.ravel(), [smallest])
+    return read_only(np.concatenate(parts))
+
+
+def positive_time_step(name: str, value: float) -> float:
+    """Return ``value`` as a float [s].
+
+    Raises
+    ------
+    ParameterError
+        If it is not positive and finite.
+    """
+    if not (isinstance(value, (int, float)) and 0.0 < value < float("inf")):
+        raise ParameterError(
+            f"{name}: received {value!r}; required a positive number of seconds; give for example 0.1"
+        )
+    return float(value)
+
+
+@dataclass(frozen=True, slots=True)
+class RigidBody:
+    """A free rigid body and the time step with which it is integrated.
+
+    Attributes
+    ----------
+    inertia : (3, 3) array
+        Symmetric positive definite inertia matrix, body frame [kg m^2]; need not be diagonal.
+    time_step : float
+        Integrator step h [s].
+
+    Raises
+    ------
+    ShapeError, ParameterError
+        If the inertia is no inertia of a body with volume, or the time step is not positive.
+    """
+
+    inertia: Matrix3
+    time_step: float
+    packed: Array = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "inertia", as_inertia("inertia", self.inertia))
+        object.__setattr__(self, "time_step", positive_time_step("time_step", self.time_step))
+        object.__setattr__(self, "packed", pack_inertia(self.inertia))
+
+    def is_solvable(self, momentum: Vector3) -> bool:
+        """Tell whether a step from ``momentum`` (3,) [N m s] exists: Kalabic (3).
+
+        (h hat(Pi))^2 + 4 Jd^2 must be positive semi-definite; for a sphere this means less than a
+        quarter turn in one step.
+        """
+        x, y, z = momentum
+        return bool(solvable(self.packed, self.time_step, (float(x), float(y), float(z))))
+
+    def require_solvable(self, name: str, momentum: Vector3) -> None:
+        """Raise ParameterError, with the largest time step that works, if no step exists."""
+        if self.is_solvable(momentum):
+            return
+        moment = " ".join(f"{value:.6g}" for value in momentum)
+        raise ParameterError(
+            f"{name}: received [{moment}] N m s with time step {self.time_step:g} s; required "
+            "(h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)), else the body turns too far "
+            f"in one step; use a time step of at most {self.largest_time_step(momentum):.6g} s"
+        )
+
+    def largest_time_step(self, momentum: Vector3) -> float:
+        """Return the largest time step [s] for which a step from ``momentum`` (3,) exists."""
+        nonstandard = self.packed[18:27].reshape(3, 3)
+        inverse = np.linalg.inv(nonstandard)
+        p_hat = np.array(
+            [
+                [0.0, -momentum[2], momentum[1]],
+                [momentum[2], 0.0, -momentum[0]],
+                [-momentum[1], momentum[0], 0.0],
+            ]
+        )
+        # (h hat(Pi))^2 + 4 Jd^2 >= 0  iff  h |hat(Pi) Jd^-1| <= 2 in the spectral norm.
+        norm = float(np.linalg.norm(p_hat @ inverse, 2))
+        return 2.0 / norm if norm > 0.0 else float("inf")
+
+    def step(
+        self, attitude: Matrix3, momentum: Vector3, torque: Vector3, n_steps: int = 1
+    ) -> tuple[Matrix3, Vector3]:
+        """Advance by ``n_steps`` time steps under a constant body torque.
+
+        Parameters
+        ----------
+        attitude : (3, 3) array
+            Rotation, body to inertial.
+        momentum : (3,) array
+            Angular momentum, body frame [N m s].
+        torque : (3,) array
+            Body torque [N m].
+        n_steps : int
+            Number of time steps.
+
+        Returns
+        -------
+        attitude, momentum : (3, 3) and (3,) arrays
+            The state after the last step.
+
+        Raises
+        ------
+        ParameterError
+            If a step does not exist (Kalabic (3)).
+
+        Notes
+        -----
+        Hot path: the arguments are not checked beyond solvability; see `simulate` for a checked
+        entry. The attitude gets one Newton-Schulz step, so that R^T R = I holds to rounding.
+        """
+        R = np.array(attitude, dtype=np.float64).reshape(1, 3, 3)
+        Pi = np.array(momentum, dtype=np.float64).reshape(1, 3)
+        u = np.ascontiguousarray(torque, dtype=np.float64).reshape(1, 3)
+        if advance(self.packed, self.time_step, R, Pi, u, n_steps) != n_steps:
+            self.require_solvable("momentum", Pi[0])
+            self._fail_inside(attitude, momentum, torque, n_steps)
+        return R[0], Pi[0]
+
+    def simulate(
+        self, attitude: ArrayLike, momentum: ArrayLike, torques: ArrayLike, n_steps: int | None = None
+    ) -> tuple[Array, Array]:
+        """Integrate a torque history.
+
+        Parameters
+        ----------
+        attitude : (3, 3) array
+            Initial rotation, body to inertial.
+        momentum : (3,) array
+            Initial angular momentum, body frame [N m s].
+        torques : (n, 3) or (3,) array
+            Body torque of each step, or one torque held throughout [N m].
+        n_steps : int, optional
+            Number of steps; required where one torque is held, else n.
+
+        Returns
+        -------
+        attitudes, momenta : (n+1, 3, 3) and (n+1, 3) arrays
+            States including the initial one.
+
+        Raises
+        ------
+        ShapeError, ParameterError
+            If an argument is refused, or a step does not exist (Kalabic (3)).
+        """
+        u = np.ascontiguousarray(np.atleast_2d(np.asarray(torques, dtype=np.float64)))
+        n = len(u) if n_steps is None else int(n_steps)
+        attitudes = np.empty((n + 1, 3, 3))
+        momenta = np.empty((n + 1, 3))
+        attitudes[0] = as_rotation("attitude", attitude)
+        momenta[0] = as_vector3("momentum", momentum)
+        if u.shape[1] != 3 or len(u) not in (1, n) or not np.isfinite(u).all():
+            raise ParameterError(
+                f"torques: received an array of shape {u.shape}; required ({n}, 3) or (3,) finite "
+                "numbers [N m]; give one torque for each step"
+            )
+        done = propagate(self.packed, self.time_step, attitudes, momenta, u, n)
+        if done != n:
+            self.require_solvable(f"momentum at step {done}", momenta[done])
+            self._fail_inside(attitudes[done], momenta[done], u[0], 1)
+        return attitudes, momenta
+
+    def kinetic_energy(self, momentum: Vector3) -> float:
+        """Return Pi . J^-1 Pi / 2 [J] of ``momentum`` (3,), body frame."""
+        return 0.5 * float(np.dot(momentum, self.angular_velocity(momentum)))
+
+    def angular_velocity(self, momentum: Vector3) -> Vector3:
+        """Return the body rate J^-1 Pi (3,) [rad/s] of ``momentum`` (3,), body frame."""
+        return np.asarray(self.packed[9:18].reshape(3, 3) @ momentum)
+
+    def _fail_inside(
+        self, attitude: Matrix3, momentum: Vector3, torque: Vector3, n_steps: int
+    ) -> None:
+        raise ParameterError(
+            f"momentum: no step of {self.time_step:g} s exists within {n_steps} step(s) from "
+            f"{np.asarray(momentum).tolist()} N m s under torque {np.asarray(torque).tolist()} N m; "
+            "required (h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)); use a smaller time step"
+        )

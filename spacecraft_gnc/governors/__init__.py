@@ -1,0 +1,5 @@
+"""Laws that shape the reference."""
+
+from spacecraft_gnc.governors.pass_through import PassThroughGovernor
+
+__all__ = ["PassThroughGovernor"]

@@ -1,0 +1,29 @@
+"""The closed loop and its seams, without ROS."""
+
+from spacecraft_gnc.loop.closed_loop import ClosedLoop
+from spacecraft_gnc.loop.protocols import (
+    Command,
+    Controller,
+    Governor,
+    GovernorDecision,
+    Invariants,
+    Plant,
+    Reference,
+    Source,
+    State,
+)
+from spacecraft_gnc.loop.trajectory import Trajectory
+
+__all__ = [
+    "ClosedLoop",
+    "Command",
+    "Controller",
+    "Governor",
+    "GovernorDecision",
+    "Invariants",
+    "Plant",
+    "Reference",
+    "Source",
+    "State",
+    "Trajectory",
+]

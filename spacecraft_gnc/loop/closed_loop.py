@@ -1,0 +1,112 @@
+"""The closed loop without ROS: the same cores as the nodes host, in one thread."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.loop.protocols import Command, Controller, Governor, Plant, Reference, State
+from spacecraft_gnc.loop.trajectory import Trajectory
+
+Progress = Callable[[int, int], None]
+"""Called with (step, n_steps) after every step."""
+
+
+class ClosedLoop:
+    """Plant, controller and governor, flown step by step.
+
+    Parameters
+    ----------
+    plant, controller, governor : Plant, Controller, Governor
+        Cores; the controller's period must equal the plant's.
+
+    Raises
+    ------
+    ParameterError
+        If the periods differ.
+    """
+
+    def __init__(self, plant: Plant, controller: Controller, governor: Governor) -> None:
+        if not math.isclose(plant.period, controller.period, rel_tol=1e-12):
+            raise ParameterError(
+                f"controller.period: received {controller.period} s; required the plant's control "
+                f"period {plant.period} s; set the plant's substeps accordingly"
+            )
+        self.plant = plant
+        self.controller = controller
+        self.governor = governor
+
+    def run(self, progress: Progress | None = None) -> Trajectory:
+        """Fly the whole scenario from its initial state.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with (step, n_steps) after every step.
+
+        Returns
+        -------
+        Trajectory
+        """
+        for core in (self.plant, self.controller, self.governor):
+            core.warm_up()
+            core.reset()
+        log = _Log(self.plant.n_steps, self.plant.period)
+        state = self.plant.state
+        reference = None
+        for k in range(self.plant.n_steps):
+            reference = self.governor.decide(state).reference
+            command = self.controller.command(state, reference)
+            log.add(k, state, reference, command)
+            state = self.plant.step(command.torque)
+            if progress is not None:
+                progress(k + 1, self.plant.n_steps)
+        if reference is None:
+            raise ParameterError("plant.n_steps: received 0; required at least 1 control step")
+        return log.finish(state, reference)
+
+
+class _Log:
+    """Preallocated arrays of a `Trajectory`."""
+
+    def __init__(self, n: int, period: float) -> None:
+        self.period = period
+        self.attitude, self.reference = np.empty((n, 3, 3)), np.empty((n, 3, 3))
+        self.momentum, self.torque = np.empty((n, 3)), np.empty((n, 3))
+        self.residual, self.cost, self.solve_time = (np.full(n, math.nan) for _ in range(3))
+        self.iterations, self.status = np.zeros(n, np.int64), np.full(n, -1, np.int64)
+        self.source = np.zeros(n, np.int64)
+
+    def add(self, k: int, state: State, reference: Reference, command: Command) -> None:
+        """Store control step k."""
+        self.attitude[k], self.momentum[k] = state.attitude, state.momentum
+        self.reference[k], self.torque[k] = reference.attitude, command.torque
+        self.source[k] = command.source
+        solution = command.solution
+        if solution is not None:
+            self.iterations[k], self.status[k] = solution.iterations, solution.status
+            self.residual[k], self.cost[k] = solution.residual, solution.cost
+            self.solve_time[k] = solution.solve_time
+
+    def finish(self, state: State, reference: Reference) -> Trajectory:
+        """Close the record with the state after the last step."""
+        return Trajectory(
+            period=self.period,
+            time=self.period * np.arange(len(self.cost)),
+            attitude=self.attitude,
+            momentum=self.momentum,
+            torque=self.torque,
+            reference=self.reference,
+            iterations=self.iterations,
+            residual=self.residual,
+            cost=self.cost,
+            solve_time=self.solve_time,
+            status=self.status,
+            source=self.source,
+            final_attitude=state.attitude,
+            final_momentum=state.momentum,
+            final_reference=reference.attitude,
+        )

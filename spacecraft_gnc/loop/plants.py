@@ -1,0 +1,120 @@
+"""Simulated vehicles behind the `Plant` protocol."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.loop.protocols import Invariants, State
+from spacecraft_gnc.types import (
+    ArrayLike,
+    Vector3,
+    as_rotation,
+    as_vector3,
+    read_only,
+)
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+
+
+class RigidBodyPlant:
+    """A rigid spacecraft driven by a body torque, integrated by the LGVI.
+
+    Parameters
+    ----------
+    body : RigidBody
+        Inertia and integrator step.
+    attitude : (3, 3) array
+        Initial rotation, body to inertial.
+    momentum : (3,) array
+        Initial angular momentum, body frame [N m s].
+    n_steps : int
+        Control steps of the scenario.
+    substeps : int
+        Integrator steps in one control period, over which the torque is held.
+
+    Raises
+    ------
+    ShapeError, ParameterError
+        If an argument is refused, or the first step does not exist (Kalabic (3)).
+    """
+
+    def __init__(
+        self,
+        body: RigidBody,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        n_steps: int,
+        substeps: int = 1,
+    ) -> None:
+        if n_steps < 1 or substeps < 1:
+            raise ParameterError(
+                f"n_steps, substeps: received {n_steps}, {substeps}; required at least 1 each; "
+                "lengthen the duration to one control period or more"
+            )
+        self.body = body
+        self.inertia = body.inertia
+        self.substeps = substeps
+        self.period = substeps * body.time_step
+        self.n_steps = n_steps
+        initial = State(0, as_rotation("attitude", attitude), as_vector3("momentum", momentum))
+        body.require_solvable("momentum", initial.momentum)
+        self._initial = initial
+        self._state = initial
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> RigidBodyPlant:
+        """Build the plant of a scenario's sections ``plant`` and ``nmpc_controller``."""
+        p = scenario.plant
+        substeps = round(scenario.controller.time_step / p.time_step)
+        # A hair of slack: 150.0 / 0.4 must give 375 steps whatever its last bit.
+        n_steps = int(np.floor(p.duration / (substeps * p.time_step) * (1.0 + 1e-12)))
+        return cls(
+            RigidBody(p.inertia, p.time_step),
+            lie.exp(p.initial_rotation_vector),
+            p.initial_momentum,
+            n_steps,
+            substeps,
+        )
+
+    @property
+    def state(self) -> State:
+        """State at the start of the current control step."""
+        return self._state
+
+    def step(self, torque: Vector3) -> State:
+        """Hold ``torque`` (3,) [N m] for one control period and return the new state.
+
+        Raises
+        ------
+        ParameterError
+            If the momentum has grown so large that a step does not exist (Kalabic (3)).
+        """
+        k, attitude, momentum = self._state
+        attitude, momentum = self.body.step(attitude, momentum, torque, self.substeps)
+        self._state = State(k + 1, read_only(attitude), read_only(momentum))
+        return self._state
+
+    def invariants(self) -> Invariants:
+        """Energy, inertial momentum and orthogonality error of the current state."""
+        _, attitude, momentum = self._state
+        defect = float(np.linalg.norm(attitude.T @ attitude - np.eye(3)))
+        return Invariants(self.body.kinetic_energy(momentum), attitude @ momentum, defect)
+
+    def angular_velocity(self) -> Vector3:
+        """Body rate (3,) of the current state [rad/s]."""
+        return self.body.angular_velocity(self._state.momentum)
+
+    def warm_up(self) -> None:
+        """Load the integrator's kernels."""
+        zero = np.zeros(3)
+        self.body.step(np.eye(3), zero, zero, self.substeps)
+
+    def reset(self) -> None:
+        """Return to the initial state."""
+        self._state = self._initial

@@ -1,0 +1,114 @@
+"""The seams of the closed loop: what a plant, a controller and a governor have to offer.
+
+Nodes, `ClosedLoop` and users' own packages meet here. Units are SI; attitudes map body to inertial
+components; torque and angular momentum are in the body frame.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple, Protocol
+
+from spacecraft_gnc.ocp.solution import Solution
+from spacecraft_gnc.types import GovernorDecision, Invariants, Matrix3, Reference, State, Vector3
+
+__all__ = [
+    "Command",
+    "Controller",
+    "Governor",
+    "GovernorDecision",
+    "Invariants",
+    "Plant",
+    "Reference",
+    "Source",
+    "State",
+]
+
+
+class Source(IntEnum):
+    """Rung of the failure ladder that a torque command comes from (equal to TorqueCommand.msg)."""
+
+    OPTIMAL = 0
+    NEIGHBORING_EXTREMAL = 1
+    SHIFTED_PLAN = 2
+    FEEDBACK = 3
+    ZERO = 4
+
+
+class Command(NamedTuple):
+    """Torque for one control step, and where it comes from."""
+
+    torque: Vector3
+    """(3,) body torque [N m]."""
+    source: Source
+    solution: Solution | None
+    """The solve behind the command; None where none was made."""
+
+
+class Plant(Protocol):
+    """A simulated vehicle, advanced one control step at a time."""
+
+    period: float
+    """Control period [s]."""
+    n_steps: int
+    """Control steps of the scenario."""
+
+    @property
+    def state(self) -> State:
+        """State at the start of the current control step."""
+
+    def step(self, torque: Vector3) -> State:
+        """Hold ``torque`` (3,) [N m] for one control period and return the new state."""
+
+    def invariants(self) -> Invariants:
+        """Invariants of the current state."""
+
+    def angular_velocity(self) -> Vector3:
+        """Body rate (3,) of the current state [rad/s]."""
+
+    def warm_up(self) -> None:
+        """Compile or load everything that `step` needs."""
+
+    def reset(self) -> None:
+        """Return to the initial state."""
+
+
+class Controller(Protocol):
+    """A torque law: state and reference in, command out; it never raises in flight."""
+
+    period: float
+    """Control period [s]."""
+    name: str
+    """Method name, as in the scenario's ``method:``."""
+
+    def warm_up(self) -> None:
+        """Compile or load everything that `command` needs."""
+
+    def reset(self) -> None:
+        """Forget the past: the next command starts cold."""
+
+    def command(self, state: State, reference: Reference) -> Command:
+        """Torque for the control step that starts at ``state``."""
+
+
+class Governor(Protocol):
+    """Shapes the reference so that the loop behind it keeps its constraints."""
+
+    name: str
+    """Law, as in the scenario's ``governor:``."""
+
+    @property
+    def target(self) -> Matrix3:
+        """Attitude (3, 3) that is finally wanted, body to inertial."""
+
+    def set_target(self, attitude: Matrix3) -> None:
+        """Ask for a new target attitude (3, 3), body to inertial."""
+
+    def warm_up(self) -> None:
+        """Compile or load everything that `decide` needs."""
+
+    def reset(self) -> None:
+        """Forget the past."""
+
+    def decide(self, state: State) -> GovernorDecision:
+        """Reference for the control step that starts at ``state``."""

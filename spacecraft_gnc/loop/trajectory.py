@@ -1,0 +1,110 @@
+"""The record of one closed-loop flight."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """Arrays of a flight: row k belongs to control step k, ``final_*`` to the end of the last step.
+
+    Attributes
+    ----------
+    period : float
+        Control period [s].
+    time : (n,) array
+        Start of each step [s].
+    attitude : (n, 3, 3) array
+        Rotation, body to inertial.
+    momentum : (n, 3) array
+        Angular momentum, body frame [N m s].
+    torque : (n, 3) array
+        Body torque held over the step [N m].
+    reference : (n, 3, 3) array
+        Attitude tracked, body to inertial.
+    iterations, status, source : (n,) arrays of int
+        Of the solve behind the torque: `ocp.Status`, `loop.Source`; iterations 0 without a solve.
+    residual, cost, solve_time : (n,) arrays
+        Residual of the optimality conditions, optimal cost of the horizon, wall time [s]; NaN
+        without a solve.
+    final_attitude, final_momentum, final_reference : (3, 3), (3,), (3, 3) arrays
+        State at the end of the flight, and the last reference.
+    """
+
+    period: float
+    time: Array
+    attitude: Array
+    momentum: Array
+    torque: Array
+    reference: Array
+    iterations: NDArray[np.int64]
+    residual: Array
+    cost: Array
+    solve_time: Array
+    status: NDArray[np.int64]
+    source: NDArray[np.int64]
+    final_attitude: Array
+    final_momentum: Array
+    final_reference: Array
+
+    @property
+    def n_steps(self) -> int:
+        """Number of control steps."""
+        return len(self.time)
+
+    def save(self, path: str | Path) -> Path:
+        """Write all arrays to a ``.npz`` file, whole or not at all.
+
+        Raises
+        ------
+        RecordingError
+            If the file cannot be written.
+        """
+        target = Path(path)
+        arrays = {item.name: getattr(self, item.name) for item in fields(self)}
+        temporary = ""
+        try:
+            handle, temporary = tempfile.mkstemp(dir=target.parent, suffix=".part")
+            with os.fdopen(handle, "wb") as stream:
+                np.savez_compressed(stream, **arrays)
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, target)
+        except OSError as err:
+            if temporary and os.path.exists(temporary):
+                os.unlink(temporary)
+            raise RecordingError(
+                f"{target}: cannot be written ({err.strerror or err}); required a writable folder "
+                "with room for the file; choose another --out"
+            ) from err
+        return target
+
+    @classmethod
+    def load(cls, path: str | Path) -> Trajectory:
+        """Read a file written by `save`.
+
+        Raises
+        ------
+        RecordingError
+            If it is missing, damaged or not such a file.
+        """
+        try:
+            with np.load(Path(path), allow_pickle=False) as stored:
+                values = {item.name: stored[item.name] for item in fields(cls)}
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile, EOFError) as err:
+            raise RecordingError(
+                f"{path}: cannot be read as a flight ({err}); required a .npz file written by "
+                "`gnc simulate --out`; fly again"
+            ) from err
+        values["period"] = float(values["period"])
+        return cls(**values)

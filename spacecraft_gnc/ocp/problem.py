@@ -1,0 +1,337 @@
+"""The finite-horizon optimal control problem: what is minimised, under which dynamics and limits.
+
+    minimise    |P1^(1/2) (R_N - R_ref)|_F^2 / 2 + |P2^(1/2) hat(Pi_N)|_F^2 / 2
+              + sum_k h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k)|_F^2 + |Q3^(1/2) hat(u_k)|_F^2)
+              + sum_k h mu0 max(0, |u_k|^2 - max_torque^2)^2 + sum_k sum_i h mu_i max(0, H_i(R_k))^2
+
+subject to the integrator of `dynamics.rigid_body`. Source: Gupta et al. 2015, (27)-(30), extended
+from regulation (R_ref = I) to tracking a constant reference attitude (its Remark II).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    Matrix3,
+    Vector3,
+    as_rotation,
+    as_semidefinite,
+    as_vector3,
+    read_only,
+    unit_vector,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """Weights of the cost; each a scalar (times I), 9 numbers row-major, or a (3, 3) array.
+
+    All are symmetric positive semi-definite; ``stage_torque`` is positive definite. Names in the
+    paper: Q1, Q2, Q3, P1, P2.
+    """
+
+    stage_attitude: ArrayLike = 0.01
+    stage_momentum: ArrayLike = 0.01
+    stage_torque: ArrayLike = 1.0
+    terminal_attitude: ArrayLike = 0.01
+    terminal_momentum: ArrayLike = 0.01
+
+    def __post_init__(self) -> None:
+        for name in self.__slots__:
+            checked = as_semidefinite(f"weights.{name}", getattr(self, name))
+            object.__setattr__(self, name, checked)
+        smallest = float(np.linalg.eigvalsh(self.stage_torque)[0])
+        if smallest <= 0.0:
+            raise ParameterError(
+                f"weights.stage_torque: received a matrix with eigenvalue {smallest:g}; required "
+                "a positive definite weight, else the control is not determined; use 1.0"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class PointingZone:
+    """A soft cone that a body axis must keep out of, or stay in.
+
+    Attributes
+    ----------
+    kind : {"exclusion", "inclusion"}
+    body_axis : (3,) array
+        Direction fixed in the body, body frame; normalised here.
+    inertial_axis : (3,) array
+        Axis of the cone, inertial frame; normalised here.
+    half_angle : float
+        Half-angle of the cone [rad], in (0, pi).
+    penalty : float
+        Weight mu_i of h max(0, H_i)^2, with H_i = +-(v . R^T d - cos(half_angle)) (30).
+    """
+
+    kind: Literal["exclusion", "inclusion"]
+    body_axis: ArrayLike
+    inertial_axis: ArrayLike
+    half_angle: float
+    penalty: float
+
+    def __post_init__(self) -> None:
+        if self.kind not in ("exclusion", "inclusion"):
+            raise ParameterError(
+                f"kind: received {self.kind!r}; required 'exclusion' or 'inclusion'; choose one"
+            )
+        object.__setattr__(self, "body_axis", unit_vector("body_axis", self.body_axis))
+        object.__setattr__(self, "inertial_axis", unit_vector("inertial_axis", self.inertial_axis))
+        if not 0.0 < self.half_angle < math.pi:
+            raise ParameterError(
+                f"half_angle: received {self.half_angle!r} rad; required between 0 and pi; "
+                "convert degrees to radians"
+            )
+        require_positive("penalty", self.penalty)
+
+    @property
+    def sign(self) -> float:
+        """+1 for an exclusion, -1 for an inclusion zone."""
+        return 1.0 if self.kind == "exclusion" else -1.0
+
+    def margin(self, attitudes: Array) -> Array:
+        """Return the angle [rad] by which attitudes (..., 3, 3) keep the zone (negative: inside)."""
+        cosine = np.einsum("i,...ji,j->...", self.body_axis, attitudes, self.inertial_axis)
+        angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+        return np.asarray(self.sign * (angle - self.half_angle))
+
+
+def require_positive(name: str, value: float) -> float:
+    """Return ``value`` as a float; raise ParameterError if it is not positive and finite."""
+    if not (isinstance(value, (int, float)) and 0.0 < value < math.inf):
+        raise ParameterError(
+            f"{name}: received {value!r}; required a positive finite number; give for example 1.0"
+        )
+    return float(value)
+
+
+@dataclass(frozen=True, slots=True)
+class AttitudeOcp:
+    """The constrained attitude control problem over one prediction horizon.
+
+    Attributes
+    ----------
+    inertia : (3, 3) array
+        Inertia matrix of the model, body frame [kg m^2].
+    time_step : float
+        Prediction step = control period h [s].
+    horizon : int
+        Number of steps N >= 1.
+    weights : Weights
+    max_torque : float
+        Limit on |u| [N m], by penalty; 0 means none.
+    torque_penalty : float
+        Weight mu0 of h max(0, |u|^2 - max_torque^2)^2.
+    zones : tuple of PointingZone
+        Seen by R_1 .. R_{N-1}, of which u moves R_2 .. R_{N-1}; R_N carries no zone penalty.
+
+    Raises
+    ------
+    ShapeError, ParameterError
+        If an argument is refused; the message names it and says what is required.
+    """
+
+    inertia: ArrayLike
+    time_step: float
+    horizon: int
+    weights: Weights = field(default_factory=Weights)
+    max_torque: float = 0.0
+    torque_penalty: float = 1.0e10
+    zones: tuple[PointingZone, ...] = ()
+    body: RigidBody = field(init=False, repr=False, compare=False)
+    data: Array = field(init=False, repr=False, compare=False)
+    zone_rows: Array = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        body = RigidBody(np.asarray(self.inertia), self.time_step)
+        if isinstance(self.horizon, bool) or not isinstance(self.horizon, (int, np.integer)):
+            raise ParameterError(
+                f"horizon: received {self.horizon!r}; required a whole number of steps; give 5"
+            )
+        if self.horizon < 1:
+            raise ParameterError(
+                f"horizon: received {self.horizon}; required at least 1 step; give 5"
+            )
+        if not 0.0 <= self.max_torque < math.inf:
+            raise ParameterError(
+                f"max_torque: received {self.max_torque!r} N m; required a number >= 0; "
+                "give 0 for no limit"
+            )
+        if self.max_torque > 0.0:
+            require_positive("torque_penalty", self.torque_penalty)
+        object.__setattr__(self, "body", body)
+        object.__setattr__(self, "inertia", body.inertia)
+        object.__setattr__(self, "zones", tuple(self.zones))
+        object.__setattr__(self, "data", _pack(self))
+        object.__setattr__(self, "zone_rows", _zone_rows(self.zones))
+
+    def rollout(
+        self, torques: ArrayLike, attitude: ArrayLike, momentum: ArrayLike
+    ) -> tuple[Array, Array]:
+        """Return attitudes (N+1, 3, 3) and momenta (N+1, 3) under torques (N, 3) [N m]."""
+        return self.body.simulate(attitude, momentum, self._controls(torques))
+
+    def cost(
+        self,
+        torques: ArrayLike,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+    ) -> float:
+        """Return the cost of torques (N, 3) [N m] from a state, constants and penalties included."""
+        horizon = Horizon(self, torques, attitude, momentum, reference)
+        return float(
+            _stage_kernels.horizon_cost(
+                self.data,
+                self.zone_rows,
+                horizon.track,
+                horizon.attitudes,
+                horizon.momenta,
+                horizon.torques,
+                horizon.work,
+            )
+        )
+
+    def gradient(
+        self,
+        torques: ArrayLike,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+    ) -> Array:
+        """Return the gradient (N, 3) of `cost` to the torques, by the adjoint (34)-(38).
+
+        dJ/du_k = 2 h ((S3 + 2 mu0 max(0, H0)) u_k - lambda2_k): the printed multipliers are half
+        the true ones, consistently.
+        """
+        return Horizon(self, torques, attitude, momentum, reference).gradient()
+
+    def hessian(
+        self,
+        torques: ArrayLike,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+    ) -> Array:
+        """Return the second derivative (3N, 3N) of `cost` to the torques."""
+        return Horizon(self, torques, attitude, momentum, reference).hessian()
+
+    def _controls(self, torques: ArrayLike) -> Array:
+        u = np.ascontiguousarray(torques, dtype=np.float64)
+        if u.shape != (self.horizon, 3) or not np.isfinite(u).all():
+            raise ParameterError(
+                f"torques: received an array of shape {u.shape}; required ({self.horizon}, 3) "
+                "finite numbers [N m]; give one torque for each step of the horizon"
+            )
+        return u
+
+
+class Horizon:
+    """One control sequence rolled out, with the work arrays that the adjoint kernels share."""
+
+    def __init__(
+        self,
+        ocp: AttitudeOcp,
+        torques: ArrayLike,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None,
+    ) -> None:
+        n = ocp.horizon
+        self.ocp = ocp
+        self.torques = ocp._controls(torques)
+        self.attitudes = np.empty((n + 1, 3, 3))
+        self.momenta = np.empty((n + 1, 3))
+        self.attitudes[0] = as_rotation("attitude", attitude)
+        self.momenta[0] = as_vector3("momentum", momentum)
+        self.work = np.zeros((n, _stage_kernels.WORK))
+        self.track = track_of(ocp, np.eye(3) if reference is None else reference)
+        done = _adjoint_kernels.rollout(
+            ocp.body.packed, ocp.data, self.attitudes, self.momenta, self.torques, self.work
+        )
+        if done != n:
+            ocp.body.require_solvable(f"momentum at step {done}", self.momenta[done])
+
+    def gradient(self) -> Array:
+        """Gradient (N, 3) of the cost; fills `costates` (N, 6)."""
+        self.costates = np.empty((self.ocp.horizon, 6))
+        gradient = np.empty((self.ocp.horizon, 3))
+        _adjoint_kernels.adjoint_gradient(
+            self.ocp.data,
+            self.ocp.zone_rows,
+            self.track,
+            self.attitudes,
+            self.momenta,
+            self.torques,
+            self.costates,
+            self.work,
+            gradient,
+        )
+        return gradient
+
+    def hessian(self) -> Array:
+        """Second derivative (3N, 3N) of the cost."""
+        n = self.ocp.horizon
+        self.gradient()
+        hessian = np.zeros((3 * n, 3 * n))
+        _adjoint_kernels.reduced_hessian(
+            self.ocp.body.packed,
+            self.ocp.data,
+            self.ocp.zone_rows,
+            self.track,
+            self.attitudes,
+            self.momenta,
+            self.torques,
+            self.costates,
+            self.work,
+            np.empty((n + 1, 6)),
+            hessian,
+        )
+        return hessian
+
+
+def track_of(ocp: AttitudeOcp, reference: ArrayLike) -> Array:
+    """Return Q1 R_ref and P1 R_ref (2, 3, 3), as the kernels want the reference."""
+    rotation: Matrix3 = as_rotation("reference", reference)
+    q1, p1 = ocp.weights.stage_attitude, ocp.weights.terminal_attitude
+    return np.stack([np.asarray(q1) @ rotation, np.asarray(p1) @ rotation])
+
+
+def _half_trace_minus(weight: ArrayLike) -> Matrix3:
+    matrix = np.asarray(weight)
+    return np.asarray(0.5 * (np.trace(matrix) * np.eye(3) - matrix))
+
+
+def _pack(ocp: AttitudeOcp) -> Array:
+    w = ocp.weights
+    values, vectors = np.linalg.eigh(_half_trace_minus(w.stage_torque))
+    numbers: list[Array] = [
+        np.array([ocp.time_step, ocp.max_torque**2, ocp.torque_penalty]),
+        np.ravel(np.asarray(w.stage_attitude)),
+        np.ravel(np.asarray(w.terminal_attitude)),
+        _half_trace_minus(w.stage_momentum).ravel(),
+        _half_trace_minus(w.terminal_momentum).ravel(),
+        vectors.ravel(),
+        values,
+    ]
+    return read_only(np.concatenate(numbers))
+
+
+def _zone_rows(zones: tuple[PointingZone, ...]) -> Array:
+    rows = np.zeros((len(zones), _stage_kernels.ZONE_SIZE))
+    for row, zone in zip(rows, zones, strict=True):
+        axes: tuple[Vector3, Vector3] = (np.asarray(zone.body_axis), np.asarray(zone.inertial_axis))
+        row[0:3], row[3:6] = axes
+        row[6:9] = math.cos(zone.half_angle), zone.sign, zone.penalty
+    return read_only(rows)

@@ -1,0 +1,224 @@
+"""Array types, the values that pass between the parts, and the checks of public arguments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.errors import ParameterError, ShapeError
+
+Array: TypeAlias = NDArray[np.float64]
+Vector3: TypeAlias = NDArray[np.float64]
+"""Shape (3,)."""
+Matrix3: TypeAlias = NDArray[np.float64]
+"""Shape (3, 3)."""
+ArrayLike: TypeAlias = Array | Sequence[float] | Sequence[Sequence[float]] | float
+
+ROTATION_TOLERANCE = 1e-6
+"""Largest Frobenius norm of R^T R - I accepted from outside: room for single-precision sources."""
+
+
+class State(NamedTuple):
+    """State of the spacecraft at the start of control step ``step``."""
+
+    step: int
+    attitude: Matrix3
+    """(3, 3) rotation, body to inertial."""
+    momentum: Vector3
+    """(3,) angular momentum, body frame [N m s]."""
+
+
+class Reference(NamedTuple):
+    """What the controller is asked to track during one control step."""
+
+    attitude: Matrix3
+    """(3, 3) rotation, body to inertial."""
+    angular_velocity: Vector3
+    """(3,) feed-forward body rate [rad/s]."""
+    torque: Vector3
+    """(3,) feed-forward body torque [N m]."""
+
+
+class GovernorDecision(NamedTuple):
+    """Reference that the governor allows, and why."""
+
+    reference: Reference
+    alpha: float
+    """Share of the way to the target that was allowed, 0 to 1."""
+    admissible: bool
+    margin: float
+    """Smallest constraint margin along the prediction (infinite where nothing is predicted)."""
+    active_constraint: str
+    """Name of the constraint that limited alpha; empty where none did."""
+    evaluations: int
+    """Predictions made."""
+
+
+class Invariants(NamedTuple):
+    """Quantities that free motion conserves, and the defect of the rotation matrix."""
+
+    kinetic_energy: float
+    """[J]"""
+    inertial_momentum: Vector3
+    """(3,) angular momentum, inertial frame [N m s]."""
+    orthogonality_error: float
+    """Frobenius norm of R^T R - I."""
+
+
+def as_vector3(name: str, value: ArrayLike) -> Vector3:
+    """Return ``value`` as a read-only float64 array of shape (3,).
+
+    Raises
+    ------
+    ShapeError
+        If it is not three numbers.
+    ParameterError
+        If a number is NaN or infinite.
+    """
+    return _checked(name, value, (3,), "3 numbers")
+
+
+def as_matrix3(name: str, value: ArrayLike) -> Matrix3:
+    """Return ``value`` (3x3, 9 numbers row-major, or a scalar times I) as a read-only (3, 3) array.
+
+    Raises
+    ------
+    ShapeError
+        If it has another shape.
+    ParameterError
+        If a number is NaN or infinite.
+    """
+    array = _as_float(name, value, "a 3x3 matrix, 9 numbers row-major, or one number")
+    if array.ndim == 0:
+        array = array * np.eye(3)
+    if array.shape == (9,):
+        array = array.reshape(3, 3)
+    return _checked(name, array, (3, 3), "a 3x3 matrix, 9 numbers row-major, or one number")
+
+
+def as_rotation(name: str, value: ArrayLike) -> Matrix3:
+    """Return ``value`` as a read-only rotation matrix (3, 3), body to inertial.
+
+    Raises
+    ------
+    ParameterError
+        If R^T R differs from I by more than `ROTATION_TOLERANCE`, or det R < 0.
+    """
+    rotation = as_matrix3(name, value)
+    defect = float(np.linalg.norm(rotation.T @ rotation - np.eye(3)))
+    if defect > ROTATION_TOLERANCE or np.linalg.det(rotation) < 0.0:
+        raise ParameterError(
+            f"{name}: received a matrix with |R^T R - I| = {defect:.3g} and determinant "
+            f"{np.linalg.det(rotation):.6g}; required a rotation (defect at most "
+            f"{ROTATION_TOLERANCE:g}, determinant 1); orthonormalise it first"
+        )
+    return rotation
+
+
+def as_inertia(name: str, value: ArrayLike) -> Matrix3:
+    """Return ``value`` as a read-only inertia matrix (3, 3) [kg m^2], body frame.
+
+    Raises
+    ------
+    ParameterError
+        If it is not symmetric, not positive definite, or its principal moments break the (strict)
+        triangle inequality, so that no rigid body with volume has it.
+    """
+    inertia = as_matrix3(name, value)
+    asymmetry = float(np.abs(inertia - inertia.T).max())
+    if asymmetry > 1e-12 * float(np.abs(inertia).max()):
+        raise ParameterError(
+            f"{name}: received a matrix that differs from its transpose by {asymmetry:.3g}; "
+            "required a symmetric matrix; mirror the off-diagonal entries"
+        )
+    moments = np.linalg.eigvalsh(inertia)
+    if moments[0] <= 0.0:
+        raise ParameterError(
+            f"{name}: received principal moments {_listed(moments)}; required a positive definite "
+            "matrix; check the signs and the row order"
+        )
+    if moments[2] >= moments[0] + moments[1]:
+        raise ParameterError(
+            f"{name}: received principal moments {_listed(moments)}; required each smaller than "
+            "the sum of the other two (triangle inequality); check the largest one"
+        )
+    return inertia
+
+
+def as_semidefinite(name: str, value: ArrayLike) -> Matrix3:
+    """Return ``value`` as a read-only symmetric positive semi-definite (3, 3) weight.
+
+    Raises
+    ------
+    ParameterError
+        If it is not symmetric or has a negative eigenvalue.
+    """
+    weight = as_matrix3(name, value)
+    size = max(float(np.abs(weight).max()), 1e-300)
+    if float(np.abs(weight - weight.T).max()) > 1e-12 * size:
+        raise ParameterError(
+            f"{name}: received {_listed(weight.ravel())}; required a symmetric matrix; mirror the "
+            "off-diagonal entries"
+        )
+    smallest = float(np.linalg.eigvalsh(weight)[0])
+    if smallest < -1e-12 * size:
+        raise ParameterError(
+            f"{name}: received a matrix with eigenvalue {smallest:.6g}; required a positive "
+            "semi-definite weight; use non-negative eigenvalues"
+        )
+    return weight
+
+
+def unit_vector(name: str, value: ArrayLike) -> Vector3:
+    """Return ``value`` normalised, as a read-only array of shape (3,).
+
+    Raises
+    ------
+    ParameterError
+        If its length is zero.
+    """
+    vector = as_vector3(name, value)
+    length = float(np.linalg.norm(vector))
+    if length < 1e-12:
+        raise ParameterError(
+            f"{name}: received {_listed(vector)}; required a direction of non-zero length; give "
+            "the axis, for example [1.0, 0.0, 0.0]"
+        )
+    return read_only(vector / length)
+
+
+def read_only(array: Array) -> Array:
+    """Mark ``array`` read-only and return it."""
+    array.setflags(write=False)
+    return array
+
+
+def _listed(values: Array) -> str:
+    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
+
+
+def _as_float(name: str, value: ArrayLike, required: str) -> Array:
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ShapeError(
+            f"{name}: received {value!r}; required {required}; give plain numbers"
+        ) from None
+
+
+def _checked(name: str, value: ArrayLike, shape: tuple[int, ...], required: str) -> Array:
+    array = _as_float(name, value, required)
+    if array.shape != shape:
+        raise ShapeError(
+            f"{name}: received an array of shape {array.shape}; required {required}; "
+            "check the number of entries"
+        )
+    if not np.isfinite(array).all():
+        raise ParameterError(
+            f"{name}: received {_listed(array.ravel())}; required finite numbers; "
+            "remove NaN and infinity"
+        )
+    return read_only(np.ascontiguousarray(array))
