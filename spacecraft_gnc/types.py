@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -190,13 +191,22 @@ def unit_vector(name: str, value: ArrayLike) -> Vector3:
     return read_only(vector / length)
 
 
+def require_positive(name: str, value: float) -> float:
+    """Return ``value`` as a float; raise ParameterError if it is not positive and finite."""
+    if not (isinstance(value, (int, float)) and 0.0 < value < math.inf):
+        raise ParameterError(
+            f"{name}: received {value!r}; required a positive finite number; give for example 1.0"
+        )
+    return float(value)
+
+
 def read_only(array: Array) -> Array:
     """Mark ``array`` read-only and return it."""
     array.setflags(write=False)
     return array
 
 
-def _listed(values: Array) -> str:
+def _listed(values: NDArray[np.floating[Any]]) -> str:
     return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
 
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     cross,
@@ -18,6 +17,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     inverse,
     load3,
     load9,
+    mat_mat,
     mat_vec,
     scale,
     store3,
@@ -30,7 +30,7 @@ MAX_NEWTON_STEPS = 30
 LAST_CORRECTION_SQUARED = 1e-20
 
 
-@njit(cache=True)
+@kernel
 def body_inertia(body):
     """Inertia J of a packed body."""
     return (
@@ -38,7 +38,7 @@ def body_inertia(body):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def body_inverse_inertia(body):
     """J^-1 of a packed body."""
     return (
@@ -46,7 +46,7 @@ def body_inverse_inertia(body):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def body_nonstandard_inertia(body):
     """Jd of a packed body."""
     return (
@@ -54,7 +54,7 @@ def body_nonstandard_inertia(body):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def solvable(body, h, Pi):
     """Kalabic (3): whether (h hat(Pi))^2 + 4 Jd^2 >= 0, so that F exists (see `rigid_body`)."""
     a = scale(h, Pi)
@@ -80,7 +80,7 @@ def solvable(body, h, Pi):
     return s22 - s02 * s02 / s00 - e12 * e12 / d11 >= 0.0
 
 
-@njit(cache=True)
+@kernel
 def relative_quaternion(body, h, Pi):
     """Solve 2 q0 J q + 2 q x (J q) = h Pi for the quaternion (q0, q) of F_k; returns q0, q, ok."""
     J = body_inertia(body)
@@ -122,7 +122,7 @@ def relative_quaternion(body, h, Pi):
     return q0, q, False
 
 
-@njit(cache=True)
+@kernel
 def rotation_of(q0, q):
     """Rotation F of the unit quaternion (q0, q)."""
     x, y, z = q
@@ -133,14 +133,14 @@ def rotation_of(q0, q):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def rotate_back(q0, q, x):
     """F^T x as x plus a small correction: the rounding is half a unit in the last place of x."""
     t = scale(2.0, cross(q, x))
     return add(x, sub(cross(q, t), scale(q0, t)))
 
 
-@njit(cache=True)
+@kernel
 def rotate_rows(q0, q, R):
     """R F, row by row: row^T F = F^T applied to the row as a column."""
     r0 = rotate_back(q0, q, (R[0], R[1], R[2]))
@@ -149,25 +149,21 @@ def rotate_rows(q0, q, R):
     return (r0[0], r0[1], r0[2], r1[0], r1[1], r1[2], r2[0], r2[1], r2[2])
 
 
-@njit(cache=True)
+@kernel
 def polished(R):
-    """One Newton-Schulz step R (3 I - R^T R)/2: squares the orthogonality error left by rounding."""
+    """One Newton-Schulz step R (3 I - R^T R)/2: squares the orthogonality error."""
     a = 1.5 - 0.5 * (R[0] * R[0] + R[3] * R[3] + R[6] * R[6])
     b = 1.5 - 0.5 * (R[1] * R[1] + R[4] * R[4] + R[7] * R[7])
     c = 1.5 - 0.5 * (R[2] * R[2] + R[5] * R[5] + R[8] * R[8])
     d = -0.5 * (R[0] * R[1] + R[3] * R[4] + R[6] * R[7])
     e = -0.5 * (R[0] * R[2] + R[3] * R[5] + R[6] * R[8])
     f = -0.5 * (R[1] * R[2] + R[4] * R[5] + R[7] * R[8])
-    return (
-        R[0] * a + R[1] * d + R[2] * e, R[0] * d + R[1] * b + R[2] * f, R[0] * e + R[1] * f + R[2] * c,
-        R[3] * a + R[4] * d + R[5] * e, R[3] * d + R[4] * b + R[5] * f, R[3] * e + R[4] * f + R[5] * c,
-        R[6] * a + R[7] * d + R[8] * e, R[6] * d + R[7] * b + R[8] * f, R[6] * e + R[7] * f + R[8] * c,
-    )  # fmt: skip
+    return mat_mat(R, (a, d, e, d, b, f, e, f, c))
 
 
-@njit(cache=True)
+@kernel
 def propagate(body, h, attitudes, momenta, torques, n):
-    """Fill rows 1..n of attitudes (n+1,3,3), momenta (n+1,3) under torques (>=n,3) or (1,3) held."""
+    """Fill rows 1..n of attitudes (n+1,3,3), momenta (n+1,3) under torques (n,3) or (1,3)."""
     R = load9(attitudes, 0)
     Pi = load3(momenta, 0)
     held = torques.shape[0] == 1
@@ -182,7 +178,7 @@ def propagate(body, h, attitudes, momenta, torques, n):
     return n
 
 
-@njit(cache=True)
+@kernel
 def advance(body, h, attitude, momentum, torque, n):
     """Advance attitude (1,3,3) and momentum (1,3) in place by n steps of held torque (1,3)."""
     R = load9(attitude, 0)

@@ -28,6 +28,7 @@ from spacecraft_gnc.types import (
     as_rotation,
     as_vector3,
     read_only,
+    require_positive,
 )
 
 
@@ -37,21 +38,6 @@ def pack_inertia(inertia: Matrix3) -> Array:
     smallest = float(np.linalg.eigvalsh(nonstandard)[0])
     parts = (inertia.ravel(), np.linalg.inv(inertia).ravel(), nonstandard.ravel(), [smallest])
     return read_only(np.concatenate(parts))
-
-
-def positive_time_step(name: str, value: float) -> float:
-    """Return ``value`` as a float [s].
-
-    Raises
-    ------
-    ParameterError
-        If it is not positive and finite.
-    """
-    if not (isinstance(value, (int, float)) and 0.0 < value < float("inf")):
-        raise ParameterError(
-            f"{name}: received {value!r}; required a positive number of seconds; give for example 0.1"
-        )
-    return float(value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +63,7 @@ class RigidBody:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "inertia", as_inertia("inertia", self.inertia))
-        object.__setattr__(self, "time_step", positive_time_step("time_step", self.time_step))
+        object.__setattr__(self, "time_step", require_positive("time_step", self.time_step))
         object.__setattr__(self, "packed", pack_inertia(self.inertia))
 
     def is_solvable(self, momentum: Vector3) -> bool:
@@ -155,7 +141,11 @@ class RigidBody:
         return R[0], Pi[0]
 
     def simulate(
-        self, attitude: ArrayLike, momentum: ArrayLike, torques: ArrayLike, n_steps: int | None = None
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        torques: ArrayLike,
+        n_steps: int | None = None,
     ) -> tuple[Array, Array]:
         """Integrate a torque history.
 
@@ -210,6 +200,7 @@ class RigidBody:
     ) -> None:
         raise ParameterError(
             f"momentum: no step of {self.time_step:g} s exists within {n_steps} step(s) from "
-            f"{np.asarray(momentum).tolist()} N m s under torque {np.asarray(torque).tolist()} N m; "
-            "required (h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)); use a smaller time step"
+            f"{np.asarray(momentum).tolist()} N m s under torque {np.asarray(torque).tolist()} "
+            "N m; required (h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)); use a smaller "
+            "time step"
         )

@@ -1,22 +1,22 @@
-"""Vectors of 3 and matrices of 9 (row-major) as tuples: pure values that the compiler keeps in registers.
+"""Vectors of 3 and matrices of 9 (row-major) as tuples: values that live in registers.
 
 Arrays of three would be allocated and aliased; tuples are neither. Frames are those of the caller.
 """
 
 from __future__ import annotations
 
-from numba import njit
+from spacecraft_gnc._kernels import kernel
 
 EYE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
-@njit(cache=True)
+@kernel
 def load3(a, k, i=0):
     """Read three numbers of row ``k`` of a 2-D array, from column ``i``."""
     return (a[k, i], a[k, i + 1], a[k, i + 2])
 
 
-@njit(cache=True)
+@kernel
 def store3(a, k, x, i=0):
     """Write three numbers to row ``k`` of a 2-D array, from column ``i``."""
     a[k, i] = x[0]
@@ -24,7 +24,7 @@ def store3(a, k, x, i=0):
     a[k, i + 2] = x[2]
 
 
-@njit(cache=True)
+@kernel
 def load9_flat(a, k, i=0):
     """Read a matrix from row ``k`` of a 2-D array, from column ``i``."""
     return (
@@ -33,14 +33,14 @@ def load9_flat(a, k, i=0):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def store9_flat(a, k, A, i=0):
     """Write a matrix to row ``k`` of a 2-D array, from column ``i``."""
     for j in range(9):
         a[k, i + j] = A[j]
 
 
-@njit(cache=True)
+@kernel
 def load9(a, k):
     """Read block ``k`` of an (n, 3, 3) array."""
     return (
@@ -50,13 +50,13 @@ def load9(a, k):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def load9_rows(a):
     """Read the first three rows of an (n, 3) array."""
     return (a[0, 0], a[0, 1], a[0, 2], a[1, 0], a[1, 1], a[1, 2], a[2, 0], a[2, 1], a[2, 2])
 
 
-@njit(cache=True)
+@kernel
 def store9(a, k, A):
     """Write block ``k`` of an (n, 3, 3) array."""
     a[k, 0, 0] = A[0]
@@ -70,31 +70,31 @@ def store9(a, k, A):
     a[k, 2, 2] = A[8]
 
 
-@njit(cache=True)
+@kernel
 def add(x, y):
     """Sum x + y of two 3-vectors."""
     return (x[0] + y[0], x[1] + y[1], x[2] + y[2])
 
 
-@njit(cache=True)
+@kernel
 def sub(x, y):
     """Difference x - y of two 3-vectors."""
     return (x[0] - y[0], x[1] - y[1], x[2] - y[2])
 
 
-@njit(cache=True)
+@kernel
 def scale(s, x):
     """Product s x of a number and a 3-vector."""
     return (s * x[0], s * x[1], s * x[2])
 
 
-@njit(cache=True)
+@kernel
 def dot(x, y):
     """Inner product of two 3-vectors."""
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
-@njit(cache=True)
+@kernel
 def cross(x, y):
     """Cross product x x y."""
     return (
@@ -104,7 +104,7 @@ def cross(x, y):
     )
 
 
-@njit(cache=True)
+@kernel
 def mat_vec(A, x):
     """Product A x."""
     return (
@@ -114,7 +114,7 @@ def mat_vec(A, x):
     )
 
 
-@njit(cache=True)
+@kernel
 def mat_t_vec(A, x):
     """Product A^T x."""
     return (
@@ -124,13 +124,13 @@ def mat_t_vec(A, x):
     )
 
 
-@njit(cache=True)
+@kernel
 def transpose(A):
     """Transpose A^T."""
     return (A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8])
 
 
-@njit(cache=True)
+@kernel
 def mat_mat(A, B):
     """Product A B."""
     return (
@@ -146,13 +146,13 @@ def mat_mat(A, B):
     )
 
 
-@njit(cache=True)
+@kernel
 def mat_t_mat(A, B):
     """Product A^T B."""
     return mat_mat(transpose(A), B)
 
 
-@njit(cache=True)
+@kernel
 def mat_add(A, B):
     """Sum A + B."""
     return (
@@ -162,7 +162,7 @@ def mat_add(A, B):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def mat_sub(A, B):
     """Difference A - B."""
     return (
@@ -172,7 +172,7 @@ def mat_sub(A, B):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def mat_scale(s, A):
     """Product s A."""
     return (
@@ -182,7 +182,7 @@ def mat_scale(s, A):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def outer(x, y):
     """Outer product x y^T."""
     return (
@@ -192,13 +192,13 @@ def outer(x, y):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def hat(x):
     """Cross-product matrix of x."""
     return (0.0, -x[2], x[1], x[2], 0.0, -x[0], -x[1], x[0], 0.0)
 
 
-@njit(cache=True)
+@kernel
 def hat_mat(x, A):
     """Product hat(x) A."""
     return (
@@ -208,13 +208,13 @@ def hat_mat(x, A):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def vee_antisymmetric(A):
     """Vector of the antisymmetric part (A - A^T)/2."""
     return (0.5 * (A[7] - A[5]), 0.5 * (A[2] - A[6]), 0.5 * (A[3] - A[1]))
 
 
-@njit(cache=True)
+@kernel
 def trace_minus(A):
     """Matrix tr(A) I - A, for which hat(x) A + A^T hat(x) = hat((tr(A) I - A) x)."""
     return (
@@ -224,7 +224,7 @@ def trace_minus(A):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def inverse(A):
     """Inverse by cofactors, and the determinant (the caller checks that it is not zero)."""
     c0 = A[4] * A[8] - A[5] * A[7]

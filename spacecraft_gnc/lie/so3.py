@@ -126,7 +126,7 @@ def from_quaternion_xyzw(quaternion: Array) -> Matrix3:
 
 
 def is_rotation(matrix: Matrix3, tolerance: float = ROTATION_TOLERANCE) -> bool:
-    """Tell whether ``matrix`` is finite, orthonormal within ``tolerance`` (Frobenius) and proper."""
+    """Tell whether ``matrix`` is finite, orthonormal within ``tolerance``, and proper."""
     m = np.asarray(matrix)
     if m.shape != (3, 3) or not np.isfinite(m).all():
         return False

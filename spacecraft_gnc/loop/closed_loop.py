@@ -95,7 +95,7 @@ class _Log:
         """Close the record with the state after the last step."""
         return Trajectory(
             period=self.period,
-            time=self.period * np.arange(len(self.cost)),
+            time=np.asarray(self.period * np.arange(len(self.cost)), dtype=np.float64),
             attitude=self.attitude,
             momentum=self.momentum,
             torque=self.torque,

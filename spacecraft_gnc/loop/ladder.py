@@ -70,9 +70,7 @@ class FallbackLadder:
         """Forget the plan."""
         self._plan = np.empty((0, 3))
 
-    def command(
-        self, state: State, reference: Reference, solution: Solution | None
-    ) -> Command:
+    def command(self, state: State, reference: Reference, solution: Solution | None) -> Command:
         """Return the command of the highest rung that holds at ``state``."""
         if solution is not None and solution.converged and np.isfinite(solution.torques).all():
             self._plan, self._plan_step = solution.torques, state.step

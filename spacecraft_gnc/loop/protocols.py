@@ -111,4 +111,4 @@ class Governor(Protocol):
         """Forget the past."""
 
     def decide(self, state: State) -> GovernorDecision:
-        """Reference for the control step that starts at ``state``."""
+        """Return the reference for the control step that starts at ``state``."""

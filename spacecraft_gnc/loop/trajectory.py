@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -73,16 +71,14 @@ class Trajectory:
         """
         target = Path(path)
         arrays = {item.name: getattr(self, item.name) for item in fields(self)}
-        temporary = ""
+        temporary = target.with_name(f".{target.name}.part")
         try:
-            handle, temporary = tempfile.mkstemp(dir=target.parent, suffix=".part")
-            with os.fdopen(handle, "wb") as stream:
+            with temporary.open("wb") as stream:
                 np.savez_compressed(stream, **arrays)
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, target)
+            temporary.replace(target)
         except OSError as err:
-            if temporary and os.path.exists(temporary):
-                os.unlink(temporary)
+            if temporary.is_file():
+                temporary.unlink()
             raise RecordingError(
                 f"{target}: cannot be written ({err.strerror or err}); required a writable folder "
                 "with room for the file; choose another --out"

@@ -5,8 +5,7 @@ The same stage quantities as in `_shooting_kernels`, but with the costates swept
 
 from __future__ import annotations
 
-from numba import njit
-
+from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_nonstandard_inertia,
     relative_quaternion,
@@ -56,7 +55,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
 )
 
 
-@njit(cache=True)
+@kernel
 def rollout(body, data, R, Pi, u, W):
     """Propagate row 0 under u (N,3) and fill the stages of W; returns the number of steps made."""
     h = data[H]
@@ -79,7 +78,7 @@ def rollout(body, data, R, Pi, u, W):
     return u.shape[0]
 
 
-@njit(cache=True)
+@kernel
 def control_weight(data):
     """Matrix S3 = (tr(Q3) I - Q3)/2 from its eigenvectors."""
     V = data9(data, V_Q3)
@@ -92,9 +91,9 @@ def control_weight(data):
     return mat_mat(VD, transpose(V))
 
 
-@njit(cache=True)
+@kernel
 def adjoint_gradient(data, zones, track, R, Pi, u, lam, W, gradient):
-    """Sweep (34)-(37) backward into lam (N,6); gradient (N,3) of the cost: 2 h ((38) right - left)."""
+    """Sweep (34)-(37) backward into lam (N,6); gradient (N,3) of the cost by (38)."""
     N = u.shape[0]
     h, alpha, mu0 = data[H], data[ALPHA], data[MU0]
     S2, S3 = data9(data, S_Q2), control_weight(data)
@@ -116,7 +115,7 @@ def adjoint_gradient(data, zones, track, R, Pi, u, lam, W, gradient):
             l1 = sub(mat_vec(F, l1), attitude_gradient(h, B, zones, load9(R, k)))
 
 
-@njit(cache=True)
+@kernel
 def reduced_hessian(body, data, zones, track, R, Pi, u, lam, W, states, hessian):
     """Second derivative (3N, 3N) of the cost to the controls at a rollout with its costates.
 

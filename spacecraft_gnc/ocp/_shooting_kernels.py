@@ -1,6 +1,6 @@
 """Kernels of indirect single shooting on the conditions (31)-(45) of Gupta 2015; see `shooting`.
 
-Arrays of one horizon: R (N+1,3,3), Pi (N+1,3), u (N,3), lam (N,6) with lam1 and lam2, W (N, WORK) with
+Arrays of one horizon: R (N+1,3,3), Pi (N+1,3), u (N,3), lam (N,6) = (lam1, lam2), W (N, WORK) with
 F (9), M (9), p = F^T Pi (3), sigma (1) of each stage. ``track`` (2,3,3) holds Q1 R_ref, P1 R_ref.
 """
 
@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_nonstandard_inertia,
     relative_quaternion,
@@ -66,7 +65,7 @@ SUFFICIENT_DECREASE = 1e-4
 SMALLEST_STEP = 2.0**-24
 
 
-@njit(cache=True)
+@kernel
 def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
     """Run (31)-(34), (36), (38) forward from row 0; returns a status and the residual (44)."""
     N = u.shape[0]
@@ -109,7 +108,7 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
     return CONVERGED, E1, E2
 
 
-@njit(cache=True)
+@kernel
 def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E):
     """Derivative of the residual (44) to (lam1_0, lam2_0) by (39)-(45) into E (6,6).
 
@@ -156,7 +155,7 @@ def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E):
         E[3, j], E[4, j], E[5, j] = e2
 
 
-@njit(cache=True)
+@kernel
 def solve_linear(A, b):
     """Gaussian elimination with partial pivoting in place; b becomes the solution."""
     n = b.shape[0]
@@ -185,12 +184,12 @@ def solve_linear(A, b):
     return True
 
 
-@njit(cache=True)
+@kernel
 def _norm(E1, E2):
     return math.sqrt(dot(E1, E1) + dot(E2, E2))
 
 
-@njit(cache=True)
+@kernel
 def _newton(body, data, zones, track, R, Pi, u, lam, W, scratch, tolerance, max_steps):
     """Newton with backtracking on the residual, (43); status, steps, residual norm."""
     T, E, b = scratch[0], scratch[1], scratch[2, 0, :6]
@@ -229,7 +228,7 @@ def _newton(body, data, zones, track, R, Pi, u, lam, W, scratch, tolerance, max_
     return MAX_ITERATIONS, max_steps, residual
 
 
-@njit(cache=True)
+@kernel
 def _is_rotation(R):
     """Whether |R^T R - I|_F^2 is small and det R > 0; false for NaN."""
     S = mat_t_mat(R, R)
@@ -240,9 +239,23 @@ def _is_rotation(R):
     return error <= ROTATION_ERROR_SQUARED and inverse(R)[1] > 0.0
 
 
-@njit(cache=True)
+@kernel
 def solve_shooting(
-    body, data, zones, state, reference, guess, R, Pi, u, lam, W, track, scratch, tolerance, max_steps
+    body,
+    data,
+    zones,
+    state,
+    reference,
+    guess,
+    R,
+    Pi,
+    u,
+    lam,
+    W,
+    track,
+    scratch,
+    tolerance,
+    max_steps,
 ):
     """Solve from ``state`` (4, 3), R above Pi, and ``guess`` (6,); fills the horizon's arrays.
 

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     cross,
@@ -45,7 +44,7 @@ WORK, M_AT, P_AT, SIGMA_AT = 22, 9, 18, 21
 ZONE_SIZE = 9
 
 
-@njit(cache=True)
+@kernel
 def data9(data, i):
     """Nine consecutive numbers of ``data``."""
     return (
@@ -54,13 +53,13 @@ def data9(data, i):
     )  # fmt: skip
 
 
-@njit(cache=True)
+@kernel
 def quadratic(S, x):
     """Value x . S x."""
     return dot(x, mat_vec(S, x))
 
 
-@njit(cache=True)
+@kernel
 def control(data, lam2):
     """Solve (38), (S3 + sigma I) u = lam2 with sigma = 2 mu0 max(0, |u|^2 - alpha); (u, sigma)."""
     V = data9(data, V_Q3)
@@ -68,7 +67,7 @@ def control(data, lam2):
     alpha, mu0 = data[ALPHA], data[MU0]
     y = mat_t_vec(V, lam2)
     z = (y[0] / d0, y[1] / d1, y[2] / d2)
-    if alpha <= 0.0 or dot(z, z) <= alpha:
+    if alpha <= 0.0 or dot(z, z) <= alpha or not math.isfinite(dot(y, y)):
         return mat_vec(V, z), 0.0
     # Secular equation 1/|u(sigma)| = 1/sqrt(alpha + sigma/(2 mu0)): nearly linear, no cancellation.
     d_max = max(d0, d1, d2)
@@ -88,9 +87,9 @@ def control(data, lam2):
     return mat_vec(V, z), sigma
 
 
-@njit(cache=True)
+@kernel
 def control_sensitivity(data, u, sigma):
-    """Matrix U with delta u = U delta lam2, the inverse of S3 + sigma I (+ 4 mu0 u u^T if active)."""
+    """Matrix U of delta u = U delta lam2: inverse of S3 + sigma I (+ 4 mu0 u u^T if active)."""
     V = data9(data, V_Q3)
     w0 = 1.0 / (data[D_Q3] + sigma)
     w1 = 1.0 / (data[D_Q3 + 1] + sigma)
@@ -107,7 +106,7 @@ def control_sensitivity(data, u, sigma):
     return U
 
 
-@njit(cache=True)
+@kernel
 def attitude_gradient(h, B_Q1, zones, R):
     """Gradient g_R of the stage cost and zone penalties at R, so that (34) is F^T (lam1 + g_R)."""
     g = scale(-h, vee_antisymmetric(mat_t_mat(R, B_Q1)))
@@ -120,7 +119,7 @@ def attitude_gradient(h, B_Q1, zones, R):
     return g
 
 
-@njit(cache=True)
+@kernel
 def attitude_hessian(h, B_Q1, zones, R):
     """Matrix G_R with delta g_R = G_R eta for R exp(hat(eta))."""
     G = mat_scale(0.5 * h, trace_minus(mat_t_mat(R, B_Q1)))
@@ -136,7 +135,7 @@ def attitude_hessian(h, B_Q1, zones, R):
     return G
 
 
-@njit(cache=True)
+@kernel
 def zone_cost(h, zones, R):
     """Sum of the zone penalties h mu max(0, H_i)^2 at R."""
     total = 0.0
@@ -149,7 +148,7 @@ def zone_cost(h, zones, R):
     return total
 
 
-@njit(cache=True)
+@kernel
 def costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p):
     """Matrix Z with delta lam2 = C^-1 (delta lam2_prev - M^T delta lam1 + Z delta Pi), C = A^T.
 
@@ -165,21 +164,21 @@ def costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p):
     return mat_add(mat_scale(h, S2), Z)
 
 
-@njit(cache=True)
+@kernel
 def momentum_map(h, Jd, F):
     """Fact 2: M = h F^T (tr(F Jd) I - F Jd)^-1, so that F^T delta F = hat(M delta Pi); (M, det)."""
     G_inverse, det = inverse(trace_minus(mat_mat(F, Jd)))
     return mat_scale(h, mat_t_mat(F, G_inverse)), det
 
 
-@njit(cache=True)
+@kernel
 def set_track(data, R_ref, track):
     """Fill ``track`` (2,3,3) with Q1 R_ref and P1 R_ref: (27), (28) measured from R_ref."""
     store9(track, 0, mat_mat(data9(data, Q1), R_ref))
     store9(track, 1, mat_mat(data9(data, P1), R_ref))
 
 
-@njit(cache=True)
+@kernel
 def attitude_cost(Q, B, R):
     """|Q^(1/2) (R - R_ref)|_F^2 / 2 = tr(Q) - <Q R_ref, R> with B = Q R_ref."""
     total = Q[0] + Q[4] + Q[8]
@@ -188,7 +187,7 @@ def attitude_cost(Q, B, R):
     return total
 
 
-@njit(cache=True)
+@kernel
 def horizon_cost(data, zones, track, R, Pi, u, W):
     """Cost (27) + (28) + penalties h mu max(0, H)^2 of a propagated horizon."""
     N = u.shape[0]

@@ -1,7 +1,8 @@
 """The finite-horizon optimal control problem: what is minimised, under which dynamics and limits.
 
     minimise    |P1^(1/2) (R_N - R_ref)|_F^2 / 2 + |P2^(1/2) hat(Pi_N)|_F^2 / 2
-              + sum_k h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k)|_F^2 + |Q3^(1/2) hat(u_k)|_F^2)
+              + sum_k h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k)|_F^2)
+              + sum_k h/2 |Q3^(1/2) hat(u_k)|_F^2
               + sum_k h mu0 max(0, |u_k|^2 - max_torque^2)^2 + sum_k sum_i h mu_i max(0, H_i(R_k))^2
 
 subject to the integrator of `dynamics.rigid_body`. Source: Gupta et al. 2015, (27)-(30), extended
@@ -12,13 +13,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels
+from spacecraft_gnc.ocp.zones import PointingZone
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,
@@ -28,7 +29,7 @@ from spacecraft_gnc.types import (
     as_semidefinite,
     as_vector3,
     read_only,
-    unit_vector,
+    require_positive,
 )
 
 
@@ -56,64 +57,6 @@ class Weights:
                 f"weights.stage_torque: received a matrix with eigenvalue {smallest:g}; required "
                 "a positive definite weight, else the control is not determined; use 1.0"
             )
-
-
-@dataclass(frozen=True, slots=True)
-class PointingZone:
-    """A soft cone that a body axis must keep out of, or stay in.
-
-    Attributes
-    ----------
-    kind : {"exclusion", "inclusion"}
-    body_axis : (3,) array
-        Direction fixed in the body, body frame; normalised here.
-    inertial_axis : (3,) array
-        Axis of the cone, inertial frame; normalised here.
-    half_angle : float
-        Half-angle of the cone [rad], in (0, pi).
-    penalty : float
-        Weight mu_i of h max(0, H_i)^2, with H_i = +-(v . R^T d - cos(half_angle)) (30).
-    """
-
-    kind: Literal["exclusion", "inclusion"]
-    body_axis: ArrayLike
-    inertial_axis: ArrayLike
-    half_angle: float
-    penalty: float
-
-    def __post_init__(self) -> None:
-        if self.kind not in ("exclusion", "inclusion"):
-            raise ParameterError(
-                f"kind: received {self.kind!r}; required 'exclusion' or 'inclusion'; choose one"
-            )
-        object.__setattr__(self, "body_axis", unit_vector("body_axis", self.body_axis))
-        object.__setattr__(self, "inertial_axis", unit_vector("inertial_axis", self.inertial_axis))
-        if not 0.0 < self.half_angle < math.pi:
-            raise ParameterError(
-                f"half_angle: received {self.half_angle!r} rad; required between 0 and pi; "
-                "convert degrees to radians"
-            )
-        require_positive("penalty", self.penalty)
-
-    @property
-    def sign(self) -> float:
-        """+1 for an exclusion, -1 for an inclusion zone."""
-        return 1.0 if self.kind == "exclusion" else -1.0
-
-    def margin(self, attitudes: Array) -> Array:
-        """Return the angle [rad] by which attitudes (..., 3, 3) keep the zone (negative: inside)."""
-        cosine = np.einsum("i,...ji,j->...", self.body_axis, attitudes, self.inertial_axis)
-        angle = np.arccos(np.clip(cosine, -1.0, 1.0))
-        return np.asarray(self.sign * (angle - self.half_angle))
-
-
-def require_positive(name: str, value: float) -> float:
-    """Return ``value`` as a float; raise ParameterError if it is not positive and finite."""
-    if not (isinstance(value, (int, float)) and 0.0 < value < math.inf):
-        raise ParameterError(
-            f"{name}: received {value!r}; required a positive finite number; give for example 1.0"
-        )
-    return float(value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,7 +123,7 @@ class AttitudeOcp:
         self, torques: ArrayLike, attitude: ArrayLike, momentum: ArrayLike
     ) -> tuple[Array, Array]:
         """Return attitudes (N+1, 3, 3) and momenta (N+1, 3) under torques (N, 3) [N m]."""
-        return self.body.simulate(attitude, momentum, self._controls(torques))
+        return self.body.simulate(attitude, momentum, self.checked_controls(torques))
 
     def cost(
         self,
@@ -189,7 +132,7 @@ class AttitudeOcp:
         momentum: ArrayLike,
         reference: ArrayLike | None = None,
     ) -> float:
-        """Return the cost of torques (N, 3) [N m] from a state, constants and penalties included."""
+        """Return the cost of torques (N, 3) [N m], constants and penalties included."""
         horizon = Horizon(self, torques, attitude, momentum, reference)
         return float(
             _stage_kernels.horizon_cost(
@@ -227,7 +170,8 @@ class AttitudeOcp:
         """Return the second derivative (3N, 3N) of `cost` to the torques."""
         return Horizon(self, torques, attitude, momentum, reference).hessian()
 
-    def _controls(self, torques: ArrayLike) -> Array:
+    def checked_controls(self, torques: ArrayLike) -> Array:
+        """Return ``torques`` as a contiguous (N, 3) array; raise ParameterError if it is none."""
         u = np.ascontiguousarray(torques, dtype=np.float64)
         if u.shape != (self.horizon, 3) or not np.isfinite(u).all():
             raise ParameterError(
@@ -250,7 +194,7 @@ class Horizon:
     ) -> None:
         n = ocp.horizon
         self.ocp = ocp
-        self.torques = ocp._controls(torques)
+        self.torques = ocp.checked_controls(torques)
         self.attitudes = np.empty((n + 1, 3, 3))
         self.momenta = np.empty((n + 1, 3))
         self.attitudes[0] = as_rotation("attitude", attitude)

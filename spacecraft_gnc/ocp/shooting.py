@@ -5,8 +5,8 @@ lambda_0; Newton's method (43) on the terminal conditions (44) finds them, with 
 (39)-(45) carried along the horizon and a backtracking line search on the residual (the paper's
 "hybrid" step size). (38) has no inner root finder: see `_stage_kernels.control`.
 
-Errata honoured: (18) the sum over delta u_k starts at k = 0; (42) the multiplier rows are multiplied
-only up to index N-2, because (45) needs delta lambda_{N-1}.
+Errata honoured: (18) the sum over delta u_k starts at k = 0; (42) the multiplier rows are
+multiplied only up to index N-2, because (45) needs delta lambda_{N-1}.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ import numpy as np
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._shooting_kernels import BAD_REFERENCE, BAD_STATE, solve_shooting
 from spacecraft_gnc.ocp._stage_kernels import WORK
-from spacecraft_gnc.ocp.problem import AttitudeOcp, require_positive
+from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
+from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3, require_positive
 
 STATUSES = tuple(Status)
 VARIANTS = ("exact",)
@@ -43,7 +43,7 @@ class ShootingOptions:
         Largest number of Newton steps.
     """
 
-    residual_tolerance: float = 1e-10
+    residual_tolerance: float = 1e-12
     max_iterations: int = 50
 
     def __post_init__(self) -> None:
@@ -106,7 +106,7 @@ class ShootingSolver:
         reference : (3, 3) array, optional
             Attitude to track, body to inertial; the identity if absent.
         warm_start : (6,) array, optional
-            Multipliers to start from, as `Solution.warm_start` of the previous step; zero if absent.
+            Multipliers to start from, as `Solution.warm_start` of the previous step; else zero.
 
         Returns
         -------
@@ -131,7 +131,12 @@ class ShootingSolver:
             raise
         if R_ref.shape != (3, 3) or guess.shape != (6,):
             self._refuse(attitude, momentum, R_ref, guess)
-        R, Pi, u, lam = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 6))
+        R, Pi, u, lam = (
+            np.empty((n + 1, 3, 3)),
+            np.empty((n + 1, 3)),
+            np.empty((n, 3)),
+            np.empty((n, 6)),
+        )
         body, data, zones = self._constants
         W, track, scratch = self._work
         code, steps, residual, cost, largest = solve_shooting(

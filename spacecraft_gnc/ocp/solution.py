@@ -34,8 +34,8 @@ class Status(IntEnum):
 _ADVICE = {
     Status.CONVERGED: "The first-order conditions hold within the tolerance.",
     Status.MAX_ITERATIONS: "The iteration limit was reached: raise it, or start from a warm start.",
-    Status.LINE_SEARCH_FAILED: "No step reduced the residual: loosen the tolerance or the penalties.",
-    Status.UNSOLVABLE_STEP: "The body turns too far in one step (Kalabic (3)): shorten the time step.",
+    Status.LINE_SEARCH_FAILED: "No step reduced the residual: loosen the tolerance or penalties.",
+    Status.UNSOLVABLE_STEP: "The body turns too far in one step (Kalabic (3)): shorten it.",
     Status.NOT_FINITE: "A number overflowed: check the weights and the state.",
     Status.SINGULAR: "The Jacobian is singular: start from another guess.",
     Status.STALLED: "The loop came to rest away from its target, at a local minimum of the cost.",
@@ -98,7 +98,5 @@ class Solution(NamedTuple):
         """
         if not math.isfinite(self.cost):
             return math.nan
-        hessian = self.ocp.hessian(
-            self.torques, self.attitudes[0], self.momenta[0], self.reference
-        )
+        hessian = self.ocp.hessian(self.torques, self.attitudes[0], self.momenta[0], self.reference)
         return float(np.linalg.eigvalsh(hessian)[0])

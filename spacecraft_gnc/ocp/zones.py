@@ -1,0 +1,61 @@
+"""Pointing zones: cones that a body axis keeps out of, or stays in."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.types import Array, ArrayLike, require_positive, unit_vector
+
+
+@dataclass(frozen=True, slots=True)
+class PointingZone:
+    """A soft cone that a body axis must keep out of, or stay in.
+
+    Attributes
+    ----------
+    kind : {"exclusion", "inclusion"}
+    body_axis : (3,) array
+        Direction fixed in the body, body frame; normalised here.
+    inertial_axis : (3,) array
+        Axis of the cone, inertial frame; normalised here.
+    half_angle : float
+        Half-angle of the cone [rad], in (0, pi).
+    penalty : float
+        Weight mu_i of h max(0, H_i)^2, with H_i = +-(v . R^T d - cos(half_angle)) (30).
+    """
+
+    kind: Literal["exclusion", "inclusion"]
+    body_axis: ArrayLike
+    inertial_axis: ArrayLike
+    half_angle: float
+    penalty: float
+
+    def __post_init__(self) -> None:
+        if self.kind not in ("exclusion", "inclusion"):
+            raise ParameterError(
+                f"kind: received {self.kind!r}; required 'exclusion' or 'inclusion'; choose one"
+            )
+        object.__setattr__(self, "body_axis", unit_vector("body_axis", self.body_axis))
+        object.__setattr__(self, "inertial_axis", unit_vector("inertial_axis", self.inertial_axis))
+        if not 0.0 < self.half_angle < math.pi:
+            raise ParameterError(
+                f"half_angle: received {self.half_angle!r} rad; required between 0 and pi; "
+                "convert degrees to radians"
+            )
+        require_positive("penalty", self.penalty)
+
+    @property
+    def sign(self) -> float:
+        """+1 for an exclusion, -1 for an inclusion zone."""
+        return 1.0 if self.kind == "exclusion" else -1.0
+
+    def margin(self, attitudes: Array) -> Array:
+        """Return the angle [rad] from attitudes (..., 3, 3) to the cone (negative: violated)."""
+        cosine = np.einsum("i,...ji,j->...", self.body_axis, attitudes, self.inertial_axis)
+        angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+        return np.asarray(self.sign * (angle - self.half_angle))
