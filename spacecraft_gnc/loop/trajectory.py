@@ -95,8 +95,8 @@ class Trajectory:
             If it is missing, damaged or not such a file.
         """
         try:
-            with np.load(Path(path), allow_pickle=False) as stored:
-                values = {item.name: stored[item.name] for item in fields(cls)}
+            with Path(path).open("rb") as stream, zipfile.ZipFile(stream) as members:
+                values = {item.name: _member(members, item.name) for item in fields(cls)}
         except (OSError, KeyError, ValueError, zipfile.BadZipFile, EOFError) as err:
             raise RecordingError(
                 f"{path}: cannot be read as a flight ({err}); required a .npz file written by "
@@ -104,3 +104,9 @@ class Trajectory:
             ) from err
         values["period"] = float(values["period"])
         return cls(**values)
+
+
+def _member(members: zipfile.ZipFile, name: str) -> Array:
+    # One array at a time: np.load leaves the file open where the archive is torn.
+    with members.open(f"{name}.npy") as stream:
+        return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
