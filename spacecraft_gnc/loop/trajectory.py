@@ -5,6 +5,7 @@ from __future__ import annotations
 import zipfile
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,7 +107,7 @@ class Trajectory:
         return cls(**values)
 
 
-def _member(members: zipfile.ZipFile, name: str) -> Array:
+def _member(members: zipfile.ZipFile, name: str) -> Any:
     # One array at a time: np.load leaves the file open where the archive is torn.
     with members.open(f"{name}.npy") as stream:
-        return np.asarray(np.lib.format.read_array(stream, allow_pickle=False))
+        return np.lib.format.read_array(stream, allow_pickle=False)
