@@ -17,11 +17,13 @@ from spacecraft_gnc.lie._mat3_kernels import (
     inverse,
     load3,
     load9,
+    load9_rows,
     mat_mat,
     mat_vec,
     scale,
     store3,
     store9,
+    store9_rows,
     sub,
 )
 
@@ -179,17 +181,15 @@ def propagate(body, h, attitudes, momenta, torques, n):
 
 
 @kernel
-def advance(body, h, attitude, momentum, torque, n):
-    """Advance attitude (1,3,3) and momentum (1,3) in place by n steps of held torque (1,3)."""
-    R = load9(attitude, 0)
-    Pi = load3(momentum, 0)
-    u = load3(torque, 0)
+def advance(body, h, state, n):
+    """Advance ``state`` (5, 3), rows R, Pi, u, in place by n steps of the held torque u."""
+    R, Pi, u = load9_rows(state, 0), load3(state, 3), load3(state, 4)
     for k in range(n):
         q0, q, ok = relative_quaternion(body, h, Pi)
         if not ok:
             return k
         R = polished(rotate_rows(q0, q, R))
         Pi = add(rotate_back(q0, q, Pi), scale(h, u))
-    store9(attitude, 0, R)
-    store3(momentum, 0, Pi)
+    store9_rows(state, 0, R)
+    store3(state, 3, Pi)
     return n

@@ -132,13 +132,12 @@ class RigidBody:
         Hot path: the arguments are not checked beyond solvability; see `simulate` for a checked
         entry. The attitude gets one Newton-Schulz step, so that R^T R = I holds to rounding.
         """
-        R = np.array(attitude, dtype=np.float64).reshape(1, 3, 3)
-        Pi = np.array(momentum, dtype=np.float64).reshape(1, 3)
-        u = np.ascontiguousarray(torque, dtype=np.float64).reshape(1, 3)
-        if advance(self.packed, self.time_step, R, Pi, u, n_steps) != n_steps:
-            self.require_solvable("momentum", Pi[0])
+        state = np.empty((5, 3))  # one array of one type: one compiled kernel for every caller
+        state[:3], state[3], state[4] = attitude, momentum, torque
+        if advance(self.packed, self.time_step, state, n_steps) != n_steps:
+            self.require_solvable("momentum", np.asarray(momentum))
             self._fail_inside(attitude, momentum, torque, n_steps)
-        return R[0], Pi[0]
+        return state[:3], state[3]
 
     def simulate(
         self,
@@ -170,7 +169,7 @@ class RigidBody:
         ShapeError, ParameterError
             If an argument is refused, or a step does not exist (Kalabic (3)).
         """
-        u = np.ascontiguousarray(np.atleast_2d(np.asarray(torques, dtype=np.float64)))
+        u = np.atleast_2d(np.array(torques, dtype=np.float64, order="C"))
         n = len(u) if n_steps is None else int(n_steps)
         attitudes = np.empty((n + 1, 3, 3))
         momenta = np.empty((n + 1, 3))

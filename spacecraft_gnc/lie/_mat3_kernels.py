@@ -51,9 +51,21 @@ def load9(a, k):
 
 
 @kernel
-def load9_rows(a):
-    """Read the first three rows of an (n, 3) array."""
-    return (a[0, 0], a[0, 1], a[0, 2], a[1, 0], a[1, 1], a[1, 2], a[2, 0], a[2, 1], a[2, 2])
+def load9_rows(a, k):
+    """Read rows ``k`` to ``k + 2`` of an (n, 3) array."""
+    return (
+        a[k, 0], a[k, 1], a[k, 2],
+        a[k + 1, 0], a[k + 1, 1], a[k + 1, 2],
+        a[k + 2, 0], a[k + 2, 1], a[k + 2, 2],
+    )  # fmt: skip
+
+
+@kernel
+def store9_rows(a, k, A):
+    """Write a matrix to rows ``k`` to ``k + 2`` of an (n, 3) array."""
+    store3(a, k, (A[0], A[1], A[2]))
+    store3(a, k + 1, (A[3], A[4], A[5]))
+    store3(a, k + 2, (A[6], A[7], A[8]))
 
 
 @kernel

@@ -241,28 +241,14 @@ def _is_rotation(R):
 
 @kernel
 def solve_shooting(
-    body,
-    data,
-    zones,
-    state,
-    reference,
-    guess,
-    R,
-    Pi,
-    u,
-    lam,
-    W,
-    track,
-    scratch,
-    tolerance,
-    max_steps,
+    body, data, zones, inputs, R, Pi, u, lam, W, track, scratch, tolerance, max_steps
 ):
-    """Solve from ``state`` (4, 3), R above Pi, and ``guess`` (6,); fills the horizon's arrays.
+    """Solve from ``inputs`` (9, 3), rows R, Pi, R_ref, lam1, lam2; fills the horizon's arrays.
 
     ``scratch`` (3, 6, 12) is work space. Returns status (negative: input refused), Newton steps,
     residual norm, cost and the largest |u|^2.
     """
-    R_0, R_ref, Pi_0 = load9_rows(state), load9_rows(reference), load3(state, 3)
+    R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
     if not _is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
         return BAD_STATE, 0, math.nan, math.nan, math.nan
     if not _is_rotation(R_ref):
@@ -270,8 +256,8 @@ def solve_shooting(
     set_track(data, R_ref, track)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
-    for i in range(6):
-        lam[0, i] = guess[i]
+    store3(lam, 0, load3(inputs, 7))
+    store3(lam, 0, load3(inputs, 8), 3)
     status, steps, residual = _newton(
         body, data, zones, track, R, Pi, u, lam, W, scratch, tolerance, max_steps
     )

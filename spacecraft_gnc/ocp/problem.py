@@ -172,7 +172,7 @@ class AttitudeOcp:
 
     def checked_controls(self, torques: ArrayLike) -> Array:
         """Return ``torques`` as a contiguous (N, 3) array; raise ParameterError if it is none."""
-        u = np.ascontiguousarray(torques, dtype=np.float64)
+        u = np.array(torques, dtype=np.float64, order="C")
         if u.shape != (self.horizon, 3) or not np.isfinite(u).all():
             raise ParameterError(
                 f"torques: received an array of shape {u.shape}; required ({self.horizon}, 3) "

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
+from typing import NoReturn
 
 import numpy as np
 
@@ -86,7 +87,7 @@ class ShootingSolver:
         self._constants = (ocp.body.packed, ocp.data, ocp.zone_rows)
         self._work = (np.zeros((n, WORK)), np.empty((2, 3, 3)), np.empty((3, 6, 12)))
         self._limits = (self.options.residual_tolerance, self.options.max_iterations)
-        self._state = np.empty((4, 3))
+        self._inputs = np.empty((9, 3))
 
     def solve(
         self,
@@ -120,17 +121,14 @@ class ShootingSolver:
         """
         started = perf_counter()
         n = self._n
-        state = self._state
-        R_ref = IDENTITY if reference is None else np.ascontiguousarray(reference, np.float64)
-        guess = COLD if warm_start is None else np.ascontiguousarray(warm_start, np.float64)
+        target = IDENTITY if reference is None else reference
+        guess = COLD if warm_start is None else warm_start
+        x = self._inputs  # one array of one type: one compiled kernel for every caller
         try:
-            state[:3] = attitude
-            state[3] = momentum
-        except (ValueError, TypeError):
-            self._refuse(attitude, momentum, R_ref)
-            raise
-        if R_ref.shape != (3, 3) or guess.shape != (6,):
-            self._refuse(attitude, momentum, R_ref, guess)
+            x[:3], x[3], x[4:7] = attitude, momentum, target
+            x[7], x[8] = guess[:3], guess[3:]
+        except (ValueError, TypeError, IndexError):
+            self._refuse(attitude, momentum, target, guess)
         R, Pi, u, lam = (
             np.empty((n + 1, 3, 3)),
             np.empty((n + 1, 3)),
@@ -140,10 +138,10 @@ class ShootingSolver:
         body, data, zones = self._constants
         W, track, scratch = self._work
         code, steps, residual, cost, largest = solve_shooting(
-            body, data, zones, state, R_ref, guess, R, Pi, u, lam, W, track, scratch, *self._limits
+            body, data, zones, x, R, Pi, u, lam, W, track, scratch, *self._limits
         )
         if code in (BAD_STATE, BAD_REFERENCE):
-            self._refuse(attitude, momentum, R_ref)
+            self._refuse(attitude, momentum, target, guess)
         limit = self.ocp.max_torque
         margin = limit - largest**0.5 if limit > 0.0 else float("inf")
         return Solution(
@@ -157,22 +155,21 @@ class ShootingSolver:
             residual,
             perf_counter() - started,
             margin,
-            R_ref,
+            x[4:7].copy(),
             self.ocp,
         )
 
     def warm_up(self) -> None:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""
         self.solve(IDENTITY, np.zeros(3))
-        self.solve(IDENTITY, np.zeros(3), reference=IDENTITY.copy(), warm_start=np.zeros(6))
 
     def _refuse(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: Array, guess: Array = COLD
-    ) -> None:
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike, guess: ArrayLike
+    ) -> NoReturn:
         as_rotation("attitude", attitude)
         as_vector3("momentum", momentum)
         as_rotation("reference", reference)
         raise ParameterError(
-            f"warm_start: received an array of shape {guess.shape}; required 6 multipliers; "
-            "pass the warm_start of a solution of the same problem"
+            f"warm_start: received {guess!r}; required 6 multipliers; pass the warm_start of a "
+            "solution of the same problem"
         )

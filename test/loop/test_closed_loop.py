@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.dynamics import _lgvi_kernels
 from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.loop import ClosedLoop, Source, Trajectory
-from spacecraft_gnc.ocp import Status
+from spacecraft_gnc.ocp import Status, _shooting_kernels
 
 REFERENCE = Path(__file__).parents[1] / "data" / "gupta2015_case1_ipopt.npz"
 
@@ -93,3 +94,9 @@ def test_a_file_that_is_no_flight_is_refused(tmp_path, content):
         Trajectory.load(path)
     with pytest.raises(RecordingError):
         Trajectory.load(tmp_path / "absent.npz")
+
+
+def test_nothing_is_compiled_after_warm_up(build):
+    kernels = (_lgvi_kernels.advance, _shooting_kernels.solve_shooting)
+    build(3).run()
+    assert [len(kernel.signatures) for kernel in kernels] == [1, 1]
