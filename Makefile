@@ -1,0 +1,105 @@
+# Set-up, demonstration and checks. `make help` lists the targets.
+#
+# Everything goes into the virtual environment .venv. Each step of the set-up leaves a stamp there
+# and runs again only when what it depends on has changed.
+#
+# The package is installed editable: the commands, the nodes and the tests then run the one copy of
+# the code that lies in the checkout, so an edit takes effect at once, what is tested is what flies,
+# and the kernels, whose cache lies beside their source, are compiled once. pip leaves the data
+# files out of an editable installation; they are linked, as `colcon build --symlink-install` does.
+
+VENV := .venv
+STAMPS := $(VENV)/stamps
+BIN := $(VENV)/bin
+SHARE := $(VENV)/share
+PYTHON ?=
+
+MESSAGES := msg_defs/package.xml msg_defs/CMakeLists.txt $(wildcard msg_defs/*/*.msg msg_defs/*/*.action)
+KERNELS := $(shell find spacecraft_gnc -name '_*kernels.py')
+
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_NO_INPUT := 1
+
+# Another environment of the calling shell must not leak into this one. The wheels put their
+# libraries on LD_LIBRARY_PATH; those of a sourced ROS 2 would mix with them.
+ifneq ($(AMENT_PREFIX_PATH)$(_ROS_WHEELS_BOOTSTRAP_COMPLETE),)
+unexport LD_LIBRARY_PATH
+endif
+unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH PYTHONHOME PYTHONPATH VIRTUAL_ENV
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help setup demo test lint bench colcon lock clean
+
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
+
+setup: $(STAMPS)/messages $(STAMPS)/package $(STAMPS)/kernels ## install everything into .venv, build the messages, compile the kernels
+	@:
+
+demo: setup ## fly Gupta's Case I through the node graph, record it, compare it with the paper, draw it
+	@$(BIN)/python tools/demo.py
+
+test: lint ## set up, check style and types, run every test
+	@$(BIN)/python -m pytest
+
+lint: setup ## check style and types
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/mypy
+
+bench: setup ## measure the speed of the solver, the closed loop and the graph
+	@$(BIN)/gnc bench
+
+colcon: setup ## build both packages with colcon into build/ and install/
+	@tools/colcon_build.sh $(VENV)
+
+lock: $(STAMPS)/environment ## resolve the dependencies anew into requirements.lock
+	@$(BIN)/python -m pip install -qq uv
+	@$(BIN)/uv pip compile setup.py requirements.in --extra ros --universal --python-version 3.10 \
+		--generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --quiet --upgrade --output-file requirements.lock
+
+clean: ## remove everything that make and colcon made, but no flight
+	rm -rf $(VENV) build install log *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find spacecraft_gnc test -name __pycache__ -prune -exec rm -rf {} +
+
+# An environment holds absolute paths: in a moved or copied checkout, or when its Python has gone,
+# it is made anew.
+ifneq ($(shell test -x $(BIN)/python && cat $(STAMPS)/environment 2>/dev/null),$(CURDIR))
+.PHONY: $(STAMPS)/environment
+endif
+
+$(STAMPS)/environment:
+	@python=$$(tools/prerequisites.sh "$(PYTHON)") \
+		&& echo "== creating $(VENV) with $$python" \
+		&& rm -rf $(VENV) && "$$python" -m venv $(VENV)
+	@mkdir -p $(STAMPS) && printf '%s' "$(CURDIR)" > $@
+
+# Modules are compiled when first imported: most of what is installed here never is.
+$(STAMPS)/dependencies: requirements.lock $(STAMPS)/environment
+	@echo "== installing the dependencies (about a minute)"
+	@$(BIN)/python -m pip install -qq --no-compile --require-hashes -r requirements.lock
+	@touch $@
+
+$(STAMPS)/messages: $(MESSAGES) tools/build_messages.sh tools/cmake/ros_wheels.cmake $(STAMPS)/dependencies
+	@echo "== building the messages (about half a minute)"
+	@tools/build_messages.sh $(VENV)
+	@touch $@
+
+$(STAMPS)/package: package.xml setup.py setup.cfg pyproject.toml resource/spacecraft_gnc $(STAMPS)/dependencies
+	@echo "== installing spacecraft_gnc"
+	@$(BIN)/python -m pip install -qq --no-build-isolation --no-deps --editable .
+	@mkdir -p $(SHARE)/ament_index/resource_index/packages $(SHARE)/spacecraft_gnc
+	@ln -sfn "$(CURDIR)/resource/spacecraft_gnc" $(SHARE)/ament_index/resource_index/packages/spacecraft_gnc
+	@ln -sfn "$(CURDIR)/package.xml" $(SHARE)/spacecraft_gnc/package.xml
+	@ln -sfn "$(CURDIR)/config" $(SHARE)/spacecraft_gnc/config
+	@touch $@
+
+# Numba notices a changed file, but not that a kernel calls one from a changed file: start afresh.
+$(STAMPS)/kernels: $(KERNELS) $(STAMPS)/dependencies | $(STAMPS)/package
+	@echo "== compiling the kernels (about a minute)"
+	@find spacecraft_gnc -name '*.nb[ci]' -delete
+	@$(BIN)/gnc warmup
+	@touch $@

@@ -1,0 +1,67 @@
+"""Build description: a stock ament_python package, for colcon and for pip."""
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+NAME = "spacecraft_gnc"
+HERE = Path(__file__).parent
+MANIFEST = ET.parse(HERE / "package.xml").getroot()  # noqa: S314 - our own file
+SCENARIOS = [f"config/{path.name}" for path in sorted(HERE.glob("config/*.yaml"))]
+
+setup(
+    name=NAME,
+    version=MANIFEST.findtext("version"),
+    description=MANIFEST.findtext("description"),
+    maintainer=MANIFEST.findtext("maintainer"),
+    maintainer_email=MANIFEST.find("maintainer").get("email"),
+    license="Apache-2.0",
+    packages=find_packages(include=[NAME, f"{NAME}.*"]),
+    package_data={NAME: ["py.typed"], f"{NAME}.nodes": ["*.xml"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}/config", SCENARIOS),
+    ],
+    zip_safe=False,
+    python_requires=">=3.10",
+    # What the core needs. ROS 2 is an extra: everything below nodes/ works without it.
+    install_requires=[
+        "matplotlib>=3.8",
+        "mcap>=1.2",
+        "numba>=0.61",
+        "numpy>=1.26",
+        "psutil>=5.9",
+        "PyYAML>=6.0",
+        "rich>=13",
+        "rosbags>=0.10",
+        "scipy>=1.11",
+        "typer>=0.12",
+    ],
+    extras_require={
+        "ros": [
+            "ros-jazzy-rclpy[fastrtps]>=7.1.2",  # first release with working lifecycle transitions
+            "ros-jazzy-action-msgs",
+            "ros-jazzy-diagnostic-msgs",
+            "ros-jazzy-geometry-msgs",
+            "ros-jazzy-lifecycle-msgs",
+            "ros-jazzy-rosgraph-msgs",
+            "ros-jazzy-std-msgs",
+            "ros-jazzy-visualization-msgs",
+        ],
+    },
+    entry_points={
+        "console_scripts": [
+            f"gnc = {NAME}.cli.main:main",
+            f"plant = {NAME}.nodes.plant:main",
+            f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
+            f"reference_governor = {NAME}.nodes.reference_governor:main",
+            f"recorder = {NAME}.nodes.recorder:main",
+        ],
+        # Another package adds a vehicle, a method or a governor by the same three groups.
+        f"{NAME}.plants": [f"rigid_body = {NAME}.loop.plants:RigidBodyPlant"],
+        f"{NAME}.controllers": [f"shooting = {NAME}.loop.controllers:ShootingController"],
+        f"{NAME}.governors": [f"none = {NAME}.governors.pass_through:PassThroughGovernor"],
+    },
+)

@@ -1,0 +1,152 @@
+"""Summary of one flight in numbers."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.types import Array
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.scenario.schema import ControllerParameters
+
+SETTLE_THRESHOLDS_DEG: Final = (5.0, 1.0, 0.1)
+_SATURATION = 1.0 - 1e-6  # share of the limit: the penalty lets the norm end just beside it
+
+
+def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[str, Any]:
+    """Return the metrics of a trajectory, ready for JSON.
+
+    Parameters
+    ----------
+    trajectory
+        What was flown.
+    scenario
+        Gives limits, weights and pointing zones; without it the metrics that need them are None.
+
+    Returns
+    -------
+    dict
+        ``steps``, ``missing_steps`` (lost by the recording), ``period`` and ``duration`` [s],
+        ``final_error_deg``, ``final_momentum`` [N m s], ``settle_time_5deg``, ``_1deg``,
+        ``_0.1deg`` (time after which the error stays below for good [s]; None: never),
+        ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
+        stage costs), ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
+        ``iterations_max``, ``unconverged_steps``, ``solve_time_median``, ``_p99``, ``_max`` [s],
+        ``sources`` (steps by source), ``fallback_steps`` (steps without a solver's command).
+    """
+    controller = scenario.controller if scenario is not None else None
+    n = len(trajectory.time)
+    rows = np.hstack([trajectory.attitude.reshape(n, 9), trajectory.momentum, trajectory.torque])
+    return {
+        "steps": n,
+        "missing_steps": int(np.count_nonzero(np.isnan(rows).any(axis=1))),
+        "period": float(trajectory.period),
+        "duration": _number(series.state_times(trajectory)[-1]),
+        **_attitude_metrics(trajectory),
+        **_torque_metrics(trajectory, controller),
+        **_zone_metrics(trajectory, controller),
+        **_solver_metrics(trajectory),
+    }
+
+
+def settle_time(times: Array, error: Array, threshold: float) -> float | None:
+    """Return the time after which ``error`` stays below ``threshold`` for good.
+
+    Parameters
+    ----------
+    times, error
+        (n,) samples; NaN errors are passed over.
+    threshold
+        In the unit of ``error``.
+
+    Returns
+    -------
+    float or None
+        The first sample of the last stretch below; None if the last sample is not below.
+    """
+    known = np.isfinite(error)
+    times, error = times[known], error[known]
+    above = np.flatnonzero(error >= threshold)
+    first = int(above[-1]) + 1 if above.size else 0
+    return float(times[first]) if first < times.size else None
+
+
+def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:
+    times = series.state_times(trajectory)
+    error = series.attitude_error_deg(trajectory)
+    settled = {
+        f"settle_time_{threshold:g}deg": settle_time(times, error, threshold)
+        for threshold in SETTLE_THRESHOLDS_DEG
+    }
+    return {
+        "final_error_deg": _number(error[-1]),
+        "final_momentum": _number(np.linalg.norm(trajectory.final_momentum)),
+        **settled,
+    }
+
+
+def _torque_metrics(
+    trajectory: Trajectory, controller: ControllerParameters | None
+) -> dict[str, Any]:
+    norm = series.torque_norm(trajectory)
+    limit = controller.max_torque if controller is not None else 0.0  # 0: no limit
+    cost = None
+    if controller is not None:
+        cost = _number(np.nansum(series.stage_costs(trajectory, controller.weights)))
+    return {
+        "max_torque": _number(_largest(norm)),
+        "torque_limit": limit or None,
+        "saturated_steps": int(np.count_nonzero(norm >= _SATURATION * limit)) if limit else None,
+        "cost": cost,
+    }
+
+
+def _zone_metrics(
+    trajectory: Trajectory, controller: ControllerParameters | None
+) -> dict[str, Any]:
+    zones = controller.zones if controller is not None else ()
+    margins = {
+        zone.name: _number(-_largest(-series.zone_margin_deg(trajectory, zone))) for zone in zones
+    }
+    known = [margin for margin in margins.values() if margin is not None]
+    return {"min_zone_margin_deg": min(known, default=None), "zone_margin_deg": margins}
+
+
+def _solver_metrics(trajectory: Trajectory) -> dict[str, Any]:
+    solved = trajectory.status >= 0
+    iterations = trajectory.iterations[solved]
+    solve_time = trajectory.solve_time[np.isfinite(trajectory.solve_time)]
+    sources = Counter(int(source) for source in trajectory.source)
+    return {
+        "iterations_median": float(np.median(iterations)) if iterations.size else None,
+        "iterations_max": int(iterations.max()) if iterations.size else None,
+        "unconverged_steps": int(np.count_nonzero(trajectory.status > 0)),
+        "solve_time_median": _quantile(solve_time, 0.5),
+        "solve_time_p99": _quantile(solve_time, 0.99),
+        "solve_time_max": _quantile(solve_time, 1.0),
+        "sources": {source.name: sources[source] for source in Source if sources[source]},
+        "fallback_steps": int(np.count_nonzero(trajectory.source > Source.NEIGHBORING_EXTREMAL)),
+    }
+
+
+def _largest(values: Array) -> float:
+    """Return the largest value that is not NaN; NaN where there is none."""
+    known = values[~np.isnan(values)]
+    return float(known.max()) if known.size else math.nan
+
+
+def _quantile(values: Array, share: float) -> float | None:
+    return float(np.quantile(values, share)) if values.size else None
+
+
+def _number(value: float | np.floating[Any]) -> float | None:
+    """Return a finite float or None: JSON has neither NaN nor infinity."""
+    return float(value) if math.isfinite(value) else None

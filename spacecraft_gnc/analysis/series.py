@@ -1,0 +1,87 @@
+"""Quantities over time that metrics and figures share.
+
+Rows k = 0..n-1 of a trajectory are its control steps; series of states have n + 1 rows, the last
+one for the state after the last step. A row that a recording lost is NaN.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.types import Array
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.scenario.schema import WeightParameters, ZoneParameters
+
+
+def state_times(trajectory: Trajectory) -> Array:
+    """Return (n + 1,) times of the states [s]."""
+    end = trajectory.time[-1] + trajectory.period
+    return np.append(trajectory.time, end)
+
+
+def attitudes(trajectory: Trajectory) -> Array:
+    """Return (n + 1, 3, 3) attitudes, body to inertial."""
+    return np.concatenate([trajectory.attitude, trajectory.final_attitude[None]])
+
+
+def momenta(trajectory: Trajectory) -> Array:
+    """Return (n + 1, 3) angular momenta, body frame [N m s]."""
+    return np.concatenate([trajectory.momentum, trajectory.final_momentum[None]])
+
+
+def references(trajectory: Trajectory) -> Array:
+    """Return (n + 1, 3, 3) reference attitudes, body to inertial."""
+    return np.concatenate([trajectory.reference, trajectory.final_reference[None]])
+
+
+def attitude_error_deg(trajectory: Trajectory) -> Array:
+    """Return (n + 1,) angles from reference to attitude [deg]."""
+    return np.degrees(lie.angles_between(references(trajectory), attitudes(trajectory)))
+
+
+def torque_norm(trajectory: Trajectory) -> Array:
+    """Return (n,) norms of the torque [N m]."""
+    return np.asarray(np.linalg.norm(trajectory.torque, axis=1))
+
+
+def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:
+    """Return (n + 1,) angles left to the border of a pointing zone, negative inside it [deg].
+
+    For an inclusion zone the admissible side is the inside, and the margin is negative outside.
+    """
+    pointing = attitudes(trajectory) @ _unit(zone.body_axis)
+    axis = _unit(zone.inertial_axis)
+    # atan2 of sine and cosine keeps full precision near the cone's axis, unlike the arc cosine.
+    sine = np.linalg.norm(np.cross(pointing, axis), axis=1)
+    angle = np.degrees(np.arctan2(sine, pointing @ axis))
+    beyond = angle - zone.half_angle_deg
+    return np.asarray(beyond if zone.kind == "exclusion" else -beyond)
+
+
+def stage_costs(trajectory: Trajectory, weights: WeightParameters) -> Array:
+    """Return (n,) stage costs of the control steps, with the reference attitude in place of I.
+
+    C_k = h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k)|_F^2 + |Q3^(1/2) hat(u_k)|_F^2)
+
+    **Source**: Gupta et al. (2015), equation (28).
+    """
+    deviation = trajectory.attitude - trajectory.reference
+    attitude_term = np.einsum("nji,jk,nki->n", deviation, weights.stage_attitude, deviation)
+    momentum_term = _hat_norm_squared(trajectory.momentum, weights.stage_momentum)
+    torque_term = _hat_norm_squared(trajectory.torque, weights.stage_torque)
+    return np.asarray(0.5 * trajectory.period * (attitude_term + momentum_term + torque_term))
+
+
+def _hat_norm_squared(vectors: Array, weight: Array) -> Array:
+    """Return |W^(1/2) hat(v)|_F^2 = v^T (tr(W) I - W) v for (n, 3) vectors."""
+    form = np.trace(weight) * np.eye(3) - weight
+    return np.asarray(np.einsum("ni,ij,nj->n", vectors, form, vectors))
+
+
+def _unit(vector: Array) -> Array:
+    return np.asarray(vector / np.linalg.norm(vector))

@@ -1,0 +1,83 @@
+"""How fast the cores are, on the machine at hand.
+
+Wall times of `time.perf_counter`, in one process and one thread, after a warm-up. Machines are
+shared and noisy: the median is the figure to quote.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.loop import ClosedLoop, Trajectory
+from spacecraft_gnc.types import Array
+
+_MARCH = 200_000  # integrator steps in one timed call
+
+
+def machine() -> dict[str, Any]:
+    """Return what the figures depend on: processor, cores, system, Python and libraries."""
+    model = platform.processor() or platform.machine()
+    information = Path("/proc/cpuinfo")
+    if information.is_file():
+        lines = information.read_text(encoding="utf-8").splitlines()
+        model = next((line.split(":")[1].strip() for line in lines if "model name" in line), model)
+    return {
+        "processor": model,
+        "cores": os.cpu_count(),
+        "load": os.getloadavg()[0],
+        "system": f"{platform.system()} {platform.release()}",
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+    }
+
+
+def quantiles(seconds: Array) -> dict[str, float | int]:
+    """Return median, 99 % quantile, largest value and number of samples."""
+    return {
+        "median": float(np.median(seconds)),
+        "p99": float(np.quantile(seconds, 0.99)),
+        "max": float(np.max(seconds)),
+        "samples": len(seconds),
+    }
+
+
+def time_calls(call: Callable[[], object], repeats: int) -> Array:
+    """Return the wall time [s] of each of ``repeats`` calls."""
+    call()
+    times = np.empty(repeats)
+    for i in range(repeats):
+        begun = perf_counter()
+        call()
+        times[i] = perf_counter() - begun
+    return times
+
+
+def time_integrator(inertia: Array, time_step: float, repeats: int = 20) -> dict[str, Any]:
+    """Time one LGVI step: inside the kernel, and as a call from Python."""
+    body = RigidBody(inertia, time_step)
+    torque = np.array([0.001, -0.002, 0.001])
+    attitude, momentum, zero = np.eye(3), np.array([0.02, -0.03, 0.05]), np.zeros(3)
+    march = time_calls(lambda: body.step(attitude, momentum, zero, _MARCH), repeats) / _MARCH
+    single = time_calls(lambda: body.step(attitude, momentum, torque), 200 * repeats)
+    return {"kernel": quantiles(march), "call": quantiles(single)}
+
+
+def time_flight(loop: ClosedLoop, repeats: int = 20) -> dict[str, Any]:
+    """Time whole flights of a closed loop, and every solve in them but the first (cold) ones."""
+    loop.run()
+    flights, solves = np.empty(repeats), []
+    flight: Trajectory | None = None
+    for i in range(repeats):
+        begun = perf_counter()
+        flight = loop.run()
+        flights[i] = perf_counter() - begun
+        solves.append(flight.solve_time[1:])
+    return {"flight": quantiles(flights), "solve": quantiles(np.concatenate(solves))}

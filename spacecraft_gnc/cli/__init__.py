@@ -1,0 +1,1 @@
+"""The command line ``gnc``: one file a command."""

@@ -1,0 +1,76 @@
+"""``gnc bench``: how fast solver, integrator, closed loop and graph are on this machine."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from spacecraft_gnc.cli._common import RunFailed, json_able, print_table
+from spacecraft_gnc.scenario.shipped import shipped
+
+ResultOption = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Write the figures here as JSON.")
+]
+GraphOption = Annotated[
+    bool, typer.Option("--graph/--no-graph", help="Fly the ROS 2 graph as well (half a minute).")
+]
+_GRAPHS = {"graph_processes": [], "graph_composed": ["--composed"]}
+_FLIGHT = 4000.0  # [s] simulated: 10,000 control steps, so that the start does not count
+
+
+def bench(result: ResultOption = None, graph: GraphOption = True) -> None:
+    """Measure the speed of Gupta's Case I, layer by layer; figures for docs/performance.md."""
+    from spacecraft_gnc.analysis import speed
+    from spacecraft_gnc.scenario import load
+
+    path = shipped("gupta2015_case1")
+    scenario = load(path)
+    figures: dict[str, Any] = {"machine": speed.machine()}
+    figures["integrator"] = speed.time_integrator(scenario.plant.inertia, scenario.plant.time_step)
+    figures["loop"] = speed.time_flight(scenario.build())
+    for name, options in _GRAPHS.items() if graph else ():
+        figures[name] = _time_graph(path, options)
+    _print(figures)
+    if result is not None:
+        result.write_text(json.dumps(json_able(figures), indent=2) + "\n", encoding="utf-8")
+        print(f"written to {result}")
+
+
+def _time_graph(path: Path, options: list[str]) -> dict[str, Any]:
+    """Fly the graph in lockstep with the recorder; return its own account."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "spacecraft_gnc", "launch", str(path), "--json"]
+        command += ["--out", str(Path(folder) / "run"), "--duration", str(_FLIGHT), *options]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise RunFailed(f"gnc launch {' '.join(options)}: {done.stderr.strip()}")
+    account: dict[str, Any] = json.loads(done.stdout)
+    return account
+
+
+def _print(figures: dict[str, Any]) -> None:
+    machine = figures["machine"]
+    print(
+        f"{machine['processor']}, {machine['cores']} cores (load {machine['load']:.1f}), "
+        f"{machine['system']}, Python {machine['python']}, numpy {machine['numpy']}"
+    )
+    rows = [
+        ("LGVI step, kernel", _times(figures["integrator"]["kernel"], 1e9, "ns")),
+        ("LGVI step, from Python", _times(figures["integrator"]["call"], 1e6, "us")),
+        ("warm solve, from Python", _times(figures["loop"]["solve"], 1e6, "us")),
+        ("Case I without ROS", _times(figures["loop"]["flight"], 1e3, "ms")),
+    ]
+    flown = {name: figures[name]["steps_per_second"] for name in _GRAPHS if name in figures}
+    rows += [(name.replace("_", ", "), f"{rate:.0f} steps/s") for name, rate in flown.items()]
+    print_table(rows)
+
+
+def _times(q: dict[str, float], factor: float, unit: str) -> str:
+    median, p99, largest = (factor * q[key] for key in ("median", "p99", "max"))
+    return f"{median:.3g} {unit} median, {p99:.3g} 99 %, {largest:.3g} longest"

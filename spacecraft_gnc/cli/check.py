@@ -1,0 +1,105 @@
+"""``gnc check``: can this scenario fly, and if not, why; without ROS and without kernels."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    QuietOption,
+    ScenarioArgument,
+    SetOption,
+    print_json,
+    print_table,
+)
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.types import Array
+
+
+def check(
+    scenario: ScenarioArgument,
+    overrides: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Check a scenario file; list every problem with the way to mend it."""
+    from spacecraft_gnc.scenario import InvalidScenario, load
+
+    try:
+        checked = load(scenario, overrides or ())
+    except InvalidScenario as error:
+        if not as_json:
+            raise
+        problems = [problem.as_dict() for problem in error.problems]
+        print_json({"scenario": str(scenario), "ok": False, "problems": problems})
+        raise typer.Exit(error.exit_code) from None
+    if as_json:
+        print_json({"scenario": str(scenario), "ok": True, "problems": [], **facts(checked)})
+    elif not quiet:
+        print(f"{scenario}: can fly")
+        print_table(_rows(checked))
+
+
+def facts(scenario: Scenario) -> dict[str, Any]:
+    """Return what a scenario would fly, in numbers."""
+    return {
+        "vehicle": scenario.plant.vehicle,
+        "mode": scenario.plant.mode,
+        "steps": scenario.n_steps,
+        "period": scenario.period,
+        "substeps": scenario.substeps,
+        "duration": scenario.n_steps * scenario.period,
+        "initial_error_deg": _initial_error_deg(scenario),
+        "method": scenario.controller.method,
+        "variant": scenario.controller.variant,
+        "horizon": scenario.controller.horizon,
+        "max_torque": scenario.controller.max_torque,
+        "zones": [zone.name for zone in scenario.controller.zones],
+        "governor": scenario.governor.governor,
+        "nodes": list(scenario.launcher.nodes),
+    }
+
+
+def _rows(scenario: Scenario) -> list[tuple[str, str]]:
+    import numpy as np
+
+    plant, controller = scenario.plant, scenario.controller
+    moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(plant.inertia))
+    momentum = float(np.linalg.norm(plant.initial_momentum))
+    error = _initial_error_deg(scenario)
+    period, steps = scenario.period, scenario.n_steps
+    pace = f"free_run x{plant.real_time_factor:g}" if plant.mode == "free_run" else plant.mode
+    method = f"{controller.method} ({controller.variant})"
+    zones = [f"{z.name} ({z.kind}, {z.half_angle_deg:g} deg)" for z in controller.zones]
+    return [
+        ("vehicle", f"{plant.vehicle}, principal moments {moments} kg m^2"),
+        ("flight", f"{steps} control steps of {period:g} s, {steps * period:g} s in all, {pace}"),
+        ("integrator", f"{scenario.substeps} step(s) of {plant.time_step:g} s a control step"),
+        ("start", f"{error:.4g} deg from the target, |Pi| {momentum:g} N m s"),
+        ("controller", f"{method}, horizon {controller.horizon} steps"),
+        ("torque limit", f"{controller.max_torque:g} N m" if controller.max_torque else "none"),
+        ("zones", ", ".join(zones) or "none"),
+        ("governor", scenario.governor.governor),
+        ("nodes", ", ".join(scenario.launcher.nodes)),
+    ]
+
+
+def _initial_error_deg(scenario: Scenario) -> float:
+    """Return the angle between the initial and the target attitude [deg]."""
+    start = _quaternion(scenario.plant.initial_rotation_vector)
+    target = _quaternion(scenario.governor.target_rotation_vector)
+    return math.degrees(2.0 * math.acos(min(1.0, abs(float(start @ target)))))
+
+
+def _quaternion(rotation_vector: Array) -> Array:
+    """Return the unit quaternion (4,), scalar first, of a rotation vector (3,) [rad]."""
+    import numpy as np
+
+    angle = float(np.linalg.norm(rotation_vector))
+    vector = 0.5 * np.sinc(0.5 * angle / math.pi) * rotation_vector
+    return np.array([math.cos(0.5 * angle), *vector])

@@ -1,0 +1,119 @@
+"""``gnc launch``: the scenario as a ROS 2 graph."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    QuietOption,
+    ScenarioArgument,
+    SetOption,
+    print_error,
+    print_json,
+    print_table,
+)
+from spacecraft_gnc.launcher.launcher import Launcher
+from spacecraft_gnc.launcher.outcome import NodeDied, Outcome
+from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
+from spacecraft_gnc.launcher.progress import choose
+
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--out", "-o", metavar="DIR", help="New folder for bag and logs [runs/SCENARIO-N]."
+    ),
+]
+ModeOption = Annotated[
+    str | None, typer.Option("--mode", metavar="lockstep|free_run", help="Replaces plant.mode.")
+]
+RateOption = Annotated[
+    float | None,
+    typer.Option("--rate", metavar="X", help="Replaces plant.real_time_factor (free_run)."),
+]
+DurationOption = Annotated[
+    float | None, typer.Option("--duration", metavar="S", help="Replaces plant.duration [s].")
+]
+ComposedOption = Annotated[bool, typer.Option("--composed", help="All nodes in one process.")]
+NoRecordOption = Annotated[bool, typer.Option("--no-record", help="Fly without the recorder.")]
+
+
+def launch(
+    scenario: ScenarioArgument,
+    out: OutOption = None,
+    mode: ModeOption = None,
+    rate: RateOption = None,
+    duration: DurationOption = None,
+    composed: ComposedOption = False,
+    overrides: SetOption = None,
+    no_record: NoRecordOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Fly a scenario as a ROS 2 graph: one process a node, recorded into a bag."""
+    born = time.monotonic()
+    changes = [
+        *(overrides or ()),
+        *([f"plant.mode={mode}"] if mode is not None else []),
+        *([f"plant.real_time_factor={rate}"] if rate is not None else []),
+        *([f"plant.duration={duration}"] if duration is not None else []),
+        *(["launcher.composed=true"] if composed else []),
+    ]
+    plan = make_plan(scenario, changes, out=out, record=not no_record)
+    launcher = Launcher(plan, choose(quiet=quiet or as_json), born)
+    try:
+        outcome = launcher.run()
+    except NodeDied as error:
+        print_error(error)
+        for line in error.last_words:
+            print(f"  | {line}", file=sys.stderr)
+        raise typer.Exit(error.exit_code) from error
+    _report(plan, outcome, as_json=as_json, quiet=quiet)
+
+
+def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -> None:
+    if quiet and not as_json:
+        return
+    metrics = _metrics(plan, outcome)
+    if as_json:
+        print_json(metrics)
+        return
+    from spacecraft_gnc.cli.simulate import _rows
+
+    speed = outcome.simulated_time / outcome.wall_time if outcome.wall_time else 0.0
+    print(
+        f"{plan.scenario.path}: flown in {outcome.wall_time:.3g} s, {speed:.3g} times real time, "
+        f"{outcome.steps / outcome.wall_time:.0f} steps/s"
+    )
+    rows = _rows(metrics) if outcome.bags else []
+    if plan.scenario.plant.mode == "free_run":
+        rows.append(("deadlines missed", str(outcome.missed_deadlines)))
+    rows += [("restarted", name) for name in outcome.restarts]
+    rows += [("recorded in", bag) for bag in outcome.bags]
+    print_table([*rows, ("logs", str(plan.logs))])
+
+
+def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
+    """Return the summary of the run; from the bag, if there is one."""
+    summary: dict[str, Any] = {"scenario": str(plan.scenario.path)}
+    if outcome.bags:
+        from spacecraft_gnc.analysis.metrics import summarize
+        from spacecraft_gnc.recording.reader import read_flight
+
+        summary |= summarize(read_flight(outcome.bags[0]).trajectory, plan.scenario)
+    return summary | {
+        "mode": plan.scenario.plant.mode,
+        "domain_id": outcome.domain_id,
+        "wall_time": outcome.wall_time,
+        "steps_per_second": outcome.steps / outcome.wall_time if outcome.wall_time else None,
+        "startup_time": outcome.startup_time,
+        "missed_deadlines": outcome.missed_deadlines,
+        "restarts": list(outcome.restarts),
+        "bags": list(outcome.bags),
+        "logs": plan.logs,
+    }

@@ -1,0 +1,173 @@
+"""``gnc simulate``: the closed loop of a scenario without ROS."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    QuietOption,
+    RunFailed,
+    ScenarioArgument,
+    SetOption,
+    is_interactive,
+    print_json,
+    print_table,
+)
+from spacecraft_gnc.errors import GncError, RecordingError
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.closed_loop import ClosedLoop, Progress
+    from spacecraft_gnc.loop.trajectory import Trajectory
+
+_PATIENCE = 2.0  # wall time [s] before a progress bar appears
+_REFRESH = 0.1  # wall time [s] between two pictures of it
+_NOTHING = "-"  # a row without a value is left out
+OutOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        "-o",
+        metavar="FILE.npz",
+        readable=False,
+        help="Write the arrays of the flight here.",
+    ),
+]
+
+
+def simulate(
+    scenario: ScenarioArgument,
+    out: OutOption = None,
+    overrides: SetOption = None,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Fly a scenario without ROS: the same cores, the same numbers as `gnc launch`."""
+    from spacecraft_gnc.analysis.metrics import summarize
+    from spacecraft_gnc.scenario import load
+
+    checked = load(scenario, overrides or ())
+    if out is not None:
+        require_writable(out)
+    loop = checked.build()
+    for core in (loop.plant, loop.controller, loop.governor):
+        core.warm_up()  # loads the kernels, which is no part of the flight
+    started = time.perf_counter()
+    trajectory = _fly(loop, silent=quiet or as_json)
+    wall_time = time.perf_counter() - started
+    if out is not None:
+        trajectory.save(out)
+    if quiet and not as_json:
+        return
+    metrics = {"scenario": str(scenario), **summarize(trajectory, checked), "wall_time": wall_time}
+    if as_json:
+        print_json({**metrics, "out": out})
+    else:
+        print(f"{scenario}: flown in {wall_time:.3g} s")
+        print_table(_rows(metrics))
+        if out is not None:
+            print(f"  written to {out}")
+
+
+def require_writable(out: Path) -> None:
+    """Refuse an output file that could not be written, before anything is computed.
+
+    Raises
+    ------
+    RecordingError
+        If the name does not end in .npz, or its folder is missing or not writable.
+    """
+    folder = out.parent
+    if out.suffix != ".npz":
+        problem, remedy = "no .npz file", f"name it {out.with_suffix('.npz').name}"
+    elif out.is_dir():
+        problem, remedy = "a directory", "name a file in it"
+    elif not folder.is_dir():
+        problem, remedy = "in a folder that does not exist", f"create it: mkdir -p {folder}"
+    elif not os.access(folder, os.W_OK | os.X_OK):
+        problem, remedy = "in a folder that is not writable", "choose another folder"
+    else:
+        return
+    raise RecordingError(
+        f"--out: received {str(out)!r}, {problem}; required a .npz file in a writable folder; "
+        f"{remedy}"
+    )
+
+
+def _fly(loop: ClosedLoop, silent: bool) -> Trajectory:
+    try:
+        with _progress(silent) as progress:
+            return loop.run(progress)
+    except MemoryError:
+        raise RunFailed(
+            f"plant.duration: received {loop.plant.n_steps} control steps; required a flight whose "
+            "record fits into memory; shorten it"
+        ) from None
+    except GncError as error:  # the input was accepted: what fails now is the run
+        raise RunFailed(str(error)) from error
+
+
+@contextmanager
+def _progress(silent: bool) -> Iterator[Progress | None]:
+    """Yield a progress callback that shows a bar once the flight lasts; None if nobody watches."""
+    if silent or not is_interactive():
+        yield None
+        return
+    from rich.progress import Progress as Bar
+
+    started = time.perf_counter()
+    with Bar(transient=True, auto_refresh=False) as bar:
+        task = bar.add_task("flying", visible=False)
+        refreshed = started
+
+        def update(step: int, n_steps: int) -> None:
+            nonlocal refreshed
+            now = time.perf_counter()
+            if now - started > _PATIENCE and now - refreshed >= _REFRESH:
+                refreshed = now
+                bar.update(task, completed=step, total=n_steps, visible=True, refresh=True)
+
+        yield update
+
+
+def _rows(m: dict[str, Any]) -> list[tuple[str, str]]:
+    settled = [(f"under {x} deg for good", m[f"settle_time_{x}deg"]) for x in ("5", "1", "0.1")]
+    iterations = f"{_text(m['iterations_median'], 3)} median, {_text(m['iterations_max'], 3)} most"
+    sources = ", ".join(f"{name} {count}" for name, count in m["sources"].items())
+    rows = [
+        ("control steps", f"{m['steps']} of {m['period']:g} s"),
+        ("error at the end", f"{_text(m['final_error_deg'], 5)} deg"),
+        *((label, "never" if at is None else f"from {at:g} s") for label, at in settled),
+        ("largest torque", f"{_text(m['max_torque'], 8)} N m, {_limit(m)}"),
+        ("sum of stage costs", _text(m["cost"], 10)),
+        ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
+        ("iterations a solve", iterations),
+        ("time a solve", _solve_times(m)),
+        ("steps not solved", str(m["unconverged_steps"])),
+        ("torque from", sources),
+    ]
+    return [row for row in rows if not row[1].startswith(_NOTHING)]
+
+
+def _limit(m: dict[str, Any]) -> str:
+    if not m["torque_limit"]:
+        return "no limit"
+    return f"limit {m['torque_limit']:g} N m, {m['saturated_steps']} steps on it"
+
+
+def _solve_times(m: dict[str, Any]) -> str:
+    keys = {"solve_time_median": "median", "solve_time_p99": "99 %", "solve_time_max": "longest"}
+    if any(m[key] is None for key in keys):
+        return _NOTHING
+    return ", ".join(f"{m[key] * 1e6:.0f} us {word}" for key, word in keys.items())
+
+
+def _text(value: float | None, digits: int) -> str:
+    return _NOTHING if value is None else f"{value:.{digits}g}"

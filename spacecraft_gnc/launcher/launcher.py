@@ -1,0 +1,219 @@
+"""Runs a plan: processes up, nodes configured and activated, watched, ended in order."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Final
+
+from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.launcher import domain, environment
+from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused, Outcome
+from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan
+from spacecraft_gnc.launcher.process import NodeProcess, end_all
+from spacecraft_gnc.launcher.progress import Display
+from spacecraft_gnc.launcher.shared_memory import remove_orphans
+
+if TYPE_CHECKING:  # rclpy is imported while the nodes start
+    from spacecraft_gnc.nodes._supervisor import Supervisor
+
+_BEAT: Final = 0.05  # [s] wall: how late a death or a signal may be noticed
+_STARTUP_PATIENCE: Final = 120.0  # [s] wall until step 0; kernels may have to be compiled
+_END_PATIENCE: Final = 5.0  # [s] wall for a node to end
+_DRAIN_PATIENCE: Final = 30.0  # [s] wall for the recorder to empty its queues
+_MOST_RESTARTS: Final = 3  # of one node
+
+
+class Launcher:
+    """Launches one plan, once.
+
+    Parameters
+    ----------
+    plan : LaunchPlan
+    display : Display
+        Shown what goes on.
+    born : float
+        ``time.monotonic()`` at which the user's command began [s].
+    """
+
+    def __init__(self, plan: LaunchPlan, display: Display, born: float) -> None:
+        self.plan = plan
+        self.display = display
+        self._born = born
+        self._processes: dict[str, NodeProcess] = {}
+        self._restarts: list[str] = []
+        self._bags = [plan.bag] if plan.records else []
+        self._startup_time = math.nan
+        self._signal = 0
+
+    def run(self) -> Outcome:
+        """Fly the scenario and return how it went.
+
+        Raises
+        ------
+        DomainTaken
+            Another graph runs on the domain asked for.
+        NodeRefused
+            A node could not be configured.
+        NodeDied
+            A node ended that should not have; all others were ended and the bag closed.
+        Interrupted
+            The user ended the launch; likewise.
+        """
+        lock = self._claim_domain()
+        try:
+            self._environment = environment.for_node(os.environ, lock.domain_id)
+            self.plan.logs.mkdir(exist_ok=True)
+            with self._signals():
+                progress = self._fly()
+        finally:
+            lock.release()
+        return Outcome(
+            domain_id=lock.domain_id,
+            steps=self.plan.scenario.n_steps,
+            simulated_time=self.plan.scenario.n_steps * self.plan.scenario.period,
+            wall_time=progress.wall_elapsed,
+            startup_time=self._startup_time,
+            missed_deadlines=progress.missed_deadlines,
+            restarts=tuple(self._restarts),
+            bags=tuple(str(bag) for bag in self._bags),
+        )
+
+    def _claim_domain(self) -> domain.DomainLock:
+        about = {"scenario": str(self.plan.scenario.path), "out": str(self.plan.out.resolve())}
+        given = self.plan.scenario.launcher.domain_id
+        if given < 0 and os.environ.get(environment.DOMAIN_ID):
+            given = environment.domain_id(os.environ)
+        return domain.claim_given(given, about) if given >= 0 else domain.claim_free(about)
+
+    def _fly(self) -> Any:
+        """Start, watch and end the processes; return the last progress seen."""
+        try:
+            for name in [COMPOSED] if self.plan.composed else self.plan.nodes:
+                self._start(name, autostart=False)
+            os.environ.update(self._environment)
+            from spacecraft_gnc.nodes._supervisor import Supervisor
+
+            with Supervisor(self.plan.nodes) as supervisor:
+                self.display.waiting(self.plan, int(self._environment[environment.DOMAIN_ID]))
+                self._bring_up(supervisor)
+                while not self._finished():
+                    self._watch(supervisor)
+                    self.display.flying(supervisor.progress)
+                supervisor.spin(0.0)
+                self._end()
+                self._require_good_ends()
+                return supervisor.progress
+        finally:
+            self._end()
+            self.display.close()
+            if any((p.exit_code or 0) < 0 for p in self._processes.values()):
+                remove_orphans()
+
+    def _start(self, name: str, *, autostart: bool) -> None:
+        module = "composed" if name == COMPOSED else name
+        arguments = ["-m", f"spacecraft_gnc.nodes.{module}"]
+        arguments += self.plan.nodes if name == COMPOSED else []
+        arguments += ["--ros-args", "--params-file", str(self.plan.parameter_file)]
+        arguments += ["-p", f"autostart:={str(autostart).lower()}"]
+        if self._bags:
+            folder = self._bags[-1].resolve()
+            arguments += ["-p", f"{RECORDER}:storage_folder:={folder}"]
+        log = self.plan.logs / f"{name}.log"
+        self._processes[name] = NodeProcess(name, arguments, self._environment, log)
+
+    def _bring_up(self, supervisor: Supervisor) -> None:
+        """Wait until the first step is under way."""
+        deadline = time.monotonic() + _STARTUP_PATIENCE
+        while supervisor.progress.step < 0 and not self._finished():
+            self._watch(supervisor)
+            stages = {name: stage.value for name, stage in supervisor.stages().items()}
+            self.display.starting(stages)
+            refused = [name for name, stage in stages.items() if stage == "refused"]
+            if refused:
+                raise self._refusal(refused)
+            if time.monotonic() > deadline:
+                raise self._overdue(stages)
+        elapsed = supervisor.progress.wall_elapsed
+        self._startup_time = time.monotonic() - self._born - elapsed
+
+    def _watch(self, supervisor: Supervisor) -> None:
+        """Let a beat pass; notice signals and deaths."""
+        supervisor.spin(_BEAT)
+        if self._signal:
+            raise Interrupted(self._signal)
+        for name, process in list(self._processes.items()):
+            if process.exit_code is not None and not self._finished():
+                self._on_death(name, process, supervisor.progress.step)
+
+    def _finished(self) -> bool:
+        """Whether the plant has flown the scenario."""
+        host = self._processes[COMPOSED if self.plan.composed else PLANT]
+        return host.exit_code == 0
+
+    def _on_death(self, name: str, process: NodeProcess, step: int) -> None:
+        restarts = self._restarts.count(name)
+        if not self.plan.restart or name == PLANT or step < 0 or restarts >= _MOST_RESTARTS:
+            raise self._death(process, step)
+        self.display.note(f"{process.describe_end()}; starting it again")
+        self._restarts.append(name)
+        if name == RECORDER:
+            self._bags.append(self.plan.out / f"bag-{len(self._bags) + 1}")
+        remove_orphans()
+        self._start(name, autostart=True)
+
+    def _end(self) -> None:
+        """End what still runs: who sends before who records."""
+        first = [name for name in self._processes if name != RECORDER]
+        end_all([self._processes[name] for name in first], _END_PATIENCE)
+        if RECORDER in self._processes:
+            end_all([self._processes[RECORDER]], _DRAIN_PATIENCE)
+
+    def _require_good_ends(self) -> None:
+        for process in self._processes.values():
+            if process.exit_code != 0:
+                raise self._death(process, self.plan.scenario.n_steps)
+
+    def _death(self, process: NodeProcess, step: int) -> LaunchError:
+        time_reached = f" at step {step}" if step >= 0 else " before step 0"
+        reasons = process.errors()
+        if reasons and step < 0:
+            return NodeRefused("\n".join(f"{process.name}: {reason}" for reason in reasons))
+        text = f"{process.describe_end()}{time_reached}; its log: {process.log}"
+        return NodeDied(text, process.last_words())
+
+    def _refusal(self, names: Sequence[str]) -> NodeRefused:
+        self._end()  # the nodes print their reasons when they end
+        hosts = [self._processes.get(name) or self._processes[COMPOSED] for name in names]
+        lines = [f"{host.name}: {reason}" for host in hosts for reason in host.errors()]
+        return NodeRefused("\n".join(lines) or f"{', '.join(names)}: refused; see {self.plan.logs}")
+
+    def _overdue(self, stages: dict[str, str]) -> LaunchError:
+        state = ", ".join(f"{name} {stage}" for name, stage in stages.items())
+        host = self._processes.get(PLANT) or self._processes[COMPOSED]
+        return NodeDied(
+            f"no step within {_STARTUP_PATIENCE:g} s ({state}); required nodes that find each "
+            f"other; read the logs in {self.plan.logs}",
+            host.last_words(),
+        )
+
+    @contextmanager
+    def _signals(self) -> Iterator[None]:
+        """Turn SIGINT and SIGTERM into an orderly end."""
+        numbers = (signal.SIGINT, signal.SIGTERM)
+        before = {number: signal.getsignal(number) for number in numbers}
+
+        def remember(number: int, _: Any) -> None:
+            self._signal = number
+
+        for number in numbers:
+            signal.signal(number, remember)
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)

@@ -1,0 +1,80 @@
+"""How a launch ended."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from spacecraft_gnc.errors import LaunchError
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outcome:
+    """What a finished launch leaves behind.
+
+    Attributes
+    ----------
+    domain_id
+        ROS_DOMAIN_ID it ran on.
+    steps
+        Control steps flown.
+    simulated_time
+        [s]
+    wall_time
+        From the first state to the last [s].
+    startup_time
+        From the start of the launcher to the first torque [s]; NaN if none was seen.
+    missed_deadlines
+        Steps whose torque came too late.
+    restarts
+        Nodes that died and were started again.
+    bags
+        Folders of the recordings; more than one where the recorder was restarted.
+    """
+
+    domain_id: int
+    steps: int
+    simulated_time: float
+    wall_time: float
+    startup_time: float
+    missed_deadlines: int
+    restarts: tuple[str, ...]
+    bags: tuple[str, ...]
+
+
+class NodeDied(LaunchError):
+    """A node ended that should not have, or never came to life.
+
+    Parameters
+    ----------
+    message
+        Which node, and how it ended.
+    last_words
+        The last lines of its log.
+    """
+
+    def __init__(self, message: str, last_words: Sequence[str]) -> None:
+        self.last_words = tuple(last_words)
+        super().__init__(message)
+
+
+class NodeRefused(LaunchError):
+    """A node could not be configured or activated."""
+
+    exit_code: ClassVar[int] = 2
+
+
+class Interrupted(LaunchError):
+    """The user ended the launch; every node was ended and the bag closed.
+
+    Parameters
+    ----------
+    number
+        The signal: SIGINT or SIGTERM.
+    """
+
+    def __init__(self, number: int) -> None:
+        self.exit_code = 128 + number  # type: ignore[misc]  # as a shell reports it
+        super().__init__(f"ended by {signal.Signals(number).name}")

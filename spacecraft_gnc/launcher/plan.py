@@ -1,0 +1,147 @@
+"""What is to be started: scenario, folder, processes. Nothing is started here."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Final
+
+from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.scenario import Scenario, load
+from spacecraft_gnc.scenario.schema import NODE_NAMES
+
+PLANT: Final = "plant"
+RECORDER: Final = "recorder"
+COMPOSED: Final = "graph"
+"""Name of the process that hosts all nodes in a composed launch."""
+_RUNS: Final = Path("runs")
+_SCENARIO_FILE: Final = "scenario.yaml"
+
+
+class LaunchRefused(LaunchError):
+    """What the user asked for cannot be launched."""
+
+    exit_code: ClassVar[int] = 2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LaunchPlan:
+    """A launch, ready to go.
+
+    Attributes
+    ----------
+    scenario
+        What will fly, overrides included.
+    parameter_file
+        The file that every node reads: the user's own, or one in ``out`` with overrides merged in.
+    out
+        Folder of this run: bag, logs.
+    nodes
+        Names of the nodes to start.
+    composed
+        Whether they share one process.
+    restart
+        Whether a dead controller, governor or recorder is started again.
+    """
+
+    scenario: Scenario
+    parameter_file: Path
+    out: Path
+    nodes: tuple[str, ...]
+    composed: bool
+    restart: bool
+
+    @property
+    def records(self) -> bool:
+        """Whether there will be a bag."""
+        return RECORDER in self.nodes
+
+    @property
+    def bag(self) -> Path:
+        """Folder of the bag."""
+        return self.out / "bag"
+
+    @property
+    def logs(self) -> Path:
+        """Folder of the nodes' logs."""
+        return self.out / "logs"
+
+
+def make_plan(
+    path: Path, overrides: Sequence[str] = (), *, out: Path | None = None, record: bool = True
+) -> LaunchPlan:
+    """Check a scenario, create the folder of its run and return the plan.
+
+    Raises
+    ------
+    InvalidScenario
+        The scenario cannot be flown.
+    LaunchRefused
+        The folder cannot be used, or there is no plant to fly.
+    """
+    scenario = load(path, overrides)
+    scenario.build()  # what a core refuses is told now, by one process instead of four
+    nodes = tuple(n for n in scenario.launcher.nodes if record or n != RECORDER)
+    if PLANT not in nodes:
+        raise LaunchRefused(
+            f"{path}: launcher.nodes: received {list(nodes)}; required the plant among them, which "
+            f"owns simulated time; use {list(NODE_NAMES)}"
+        )
+    folder = _make_folder(path, out)
+    peers = [node for node in nodes if node != PLANT]
+    changes: dict[str, Any] = {}
+    if set(peers) != set(scenario.plant.peers):
+        changes["plant.peers"] = peers
+    parameter_file = path.resolve()
+    if overrides or changes:
+        merged = load(path, [*overrides, *(f"{key}={value}" for key, value in changes.items())])
+        parameter_file = folder / _SCENARIO_FILE
+        parameter_file.write_text(merged.to_yaml(), encoding="utf-8")
+        scenario = merged
+    return LaunchPlan(
+        scenario=scenario,
+        parameter_file=parameter_file,
+        out=folder,
+        nodes=nodes,
+        composed=scenario.launcher.composed,
+        restart=scenario.launcher.on_node_death == "restart" and not scenario.launcher.composed,
+    )
+
+
+def _make_folder(scenario: Path, out: Path | None) -> Path:
+    """Create the folder of a run: ``out``, or the next free ``runs/SCENARIO-N``."""
+    try:
+        if out is None:
+            return _next_free(scenario.stem)
+        out.mkdir(parents=True, exist_ok=True)
+        if any(out.iterdir()):
+            raise LaunchRefused(
+                f"--out: received {str(out)!r}, which holds files; required a new or empty folder, "
+                "so that no earlier run is overwritten; choose another one"
+            )
+        with tempfile.NamedTemporaryFile(dir=out):  # permission bits alone do not tell
+            pass
+    except OSError as error:
+        place = out if out is not None else _RUNS
+        reason = os.strerror(error.errno or 0)
+        raise LaunchRefused(
+            f"--out: received {str(place)!r} ({reason}); required a folder that can be written; "
+            "choose another one with --out"
+        ) from error
+    return out
+
+
+def _next_free(stem: str) -> Path:
+    _RUNS.mkdir(exist_ok=True)
+    for number in itertools.count(1):
+        folder = _RUNS / f"{stem}-{number}"
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            continue
+        return folder
+    raise AssertionError("unreachable")

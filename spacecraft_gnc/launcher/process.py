@@ -1,0 +1,117 @@
+"""A node as a child process: started, watched, ended, its last words kept."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+_TAIL: Final = 12  # lines of a log that are shown
+_TAIL_BYTES: Final = 8192
+_POLL: Final = 0.02  # [s] wall
+
+
+class NodeProcess:
+    """One process that hosts one node, or several.
+
+    Its output goes to a log file. The end of its standard input tells it that the launcher is gone,
+    so that no node outlives a launcher that was killed.
+
+    Parameters
+    ----------
+    name
+        How people call it.
+    arguments
+        Command line after the interpreter.
+    environment
+        All of its environment variables.
+    log
+        File for stdout and stderr; appended to.
+    """
+
+    def __init__(
+        self, name: str, arguments: Sequence[str], environment: Mapping[str, str], log: Path
+    ) -> None:
+        self.name = name
+        self.log = log
+        self._asked_to_end = False
+        with log.open("ab") as output:
+            self._popen = subprocess.Popen(
+                [sys.executable, *arguments],
+                stdin=subprocess.PIPE,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                env=dict(environment),
+                start_new_session=True,  # Ctrl-C reaches the launcher only, which ends us in order
+            )
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._popen.pid
+
+    @property
+    def exit_code(self) -> int | None:
+        """Exit code; minus the number of the signal that killed it; None while it runs."""
+        return self._popen.poll()
+
+    def end(self) -> None:
+        """Ask it to end cleanly."""
+        self._asked_to_end = True
+        if self.exit_code is None:
+            self._popen.terminate()
+
+    def join(self, patience: float) -> int:
+        """Wait for its end; kill it after ``patience`` seconds of wall time; return the code."""
+        try:
+            code = self._popen.wait(patience)
+        except subprocess.TimeoutExpired:
+            self._popen.kill()
+            code = self._popen.wait()
+        if self._popen.stdin is not None:
+            self._popen.stdin.close()
+        return code
+
+    def describe_end(self) -> str:
+        """Say in words how it ended."""
+        code = self.exit_code
+        if code is None:
+            return f"{self.name} (pid {self.pid}) is running"
+        if code < 0:
+            return f"{self.name} (pid {self.pid}) was killed by {_signal_name(-code)}"
+        return f"{self.name} (pid {self.pid}) ended with exit code {code}"
+
+    def last_words(self) -> list[str]:
+        """Return the last lines of its log."""
+        try:
+            with self.log.open("rb") as log:
+                log.seek(max(0, self.log.stat().st_size - _TAIL_BYTES))
+                lines = log.read().decode(errors="replace").splitlines()
+        except OSError:
+            return []
+        return lines[-_TAIL:]
+
+    def errors(self) -> list[str]:
+        """Return the ``error:`` lines among its last words, without the prefix."""
+        prefix = "error: "
+        return [w.removeprefix(prefix) for w in self.last_words() if w.startswith(prefix)]
+
+
+def end_all(processes: Sequence[NodeProcess], patience: float) -> None:
+    """End several processes together, and wait for all of them."""
+    for process in processes:
+        process.end()
+    deadline = time.monotonic() + patience
+    for process in processes:
+        process.join(max(_POLL, deadline - time.monotonic()))
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

@@ -1,0 +1,244 @@
+"""What all nodes of the graph share: life cycle, parameters, endpoints, roll call, refusals."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+from std_msgs.msg import String
+
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.nodes._cdr import encode
+from spacecraft_gnc.nodes._params import load_scenario
+from spacecraft_gnc.nodes._readiness import Readiness
+from spacecraft_gnc.nodes._topics import DIAGNOSTICS, PLANT, READY, Topic
+from spacecraft_gnc.scenario import Scenario
+
+_REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
+_LAST_WORDS = Duration(seconds=1)  # wall time granted to readers that have not acknowledged
+
+
+class GncNode(LifecycleNode):
+    """A lifecycle node around one core.
+
+    Subclasses fill in `build`, `open`, `start`, `stop` and `close`. They may raise `GncError`,
+    which refuses the transition with its message.
+    """
+
+    ROLE: ClassVar[str]
+    """Section of the scenario, and the node's default name."""
+
+    scenario: Scenario
+
+    def __init__(self) -> None:
+        super().__init__(
+            self.ROLE, parameter_overrides=[Parameter("use_sim_time", value=True)]
+        )
+        self.active = False
+        self.finished = False
+        """The node has done its work; the runner ends it."""
+        self.failure: Exception | None = None
+        """Why the last transition was refused, or why the node cannot go on."""
+        self.refused = 0
+        """Messages that were rejected since the node was configured."""
+        self.steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._endpoints: list[Publisher | Subscription | Timer] = []
+        self._readiness: Readiness | None = None
+        self._called = False
+        self._last_report = -_REPORT_PERIOD
+
+    # What a node is made of, in the order of its life.
+
+    def build(self, scenario: Scenario) -> None:
+        """Make the core and everything that takes long (compiled kernels)."""
+
+    def open(self) -> None:
+        """Create publishers, subscriptions and timers, by `advertise`, `listen`, `every`."""
+
+    def start(self) -> None:
+        """Begin to work."""
+
+    def stop(self) -> None:
+        """Cease to work."""
+
+    def close(self) -> None:
+        """Give back what `build` and `open` took; the endpoints close by themselves."""
+
+    def progress(self) -> int:
+        """Return a number that changes while messages are handled: it tells when all are."""
+        return 0
+
+    def on_everyone_ready(self) -> None:
+        """All endpoints of this node are matched, for the first time since activation."""
+
+    # Transitions.
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Load parameters, build the core, create the endpoints."""
+        return self._attempt(self._configure)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Start, and answer the roll call as soon as every endpoint is matched."""
+        return self._attempt(self._activate)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop; the endpoints stay."""
+        return self._attempt(self._deactivate)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Give everything back."""
+        return self._attempt(self._cleanup)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Stop if active, then give everything back."""
+        return self._attempt(self._cleanup)
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """After a defect of ours: give everything back and become unconfigured."""
+        return self._attempt(self._cleanup)
+
+    def _configure(self) -> None:
+        self.scenario = load_scenario(self, self.ROLE)
+        self.refused = 0
+        present = {PLANT, *self.scenario.plant.peers}
+        self._readiness = Readiness(present, self.scenario.recorder.topics)
+        self.build(self.scenario)
+        if self.ROLE in READY.publishers:
+            self._ready = self.advertise(READY)
+        self._diagnostics = self.advertise(DIAGNOSTICS)
+        self.open()
+
+    def _activate(self) -> None:
+        self._called = False
+        self.start()
+        self.active = True
+        self._call_roll()
+
+    def _deactivate(self) -> None:
+        self.active = False
+        self.stop()
+        if self.refused:
+            text = f"{self.refused} messages rejected"
+            self.diagnose(DiagnosticStatus.WARN, text, {"rejected_messages": self.refused})
+
+    def _cleanup(self) -> None:
+        if self.active:
+            self._deactivate()
+        self.close()
+        for endpoint in self._endpoints:
+            if isinstance(endpoint, Publisher):
+                endpoint.wait_for_all_acked(_LAST_WORDS)
+                self.destroy_publisher(endpoint)
+            elif isinstance(endpoint, Subscription):
+                self.destroy_subscription(endpoint)
+            else:
+                self.destroy_timer(endpoint)
+        self._endpoints.clear()
+        self._readiness = None
+
+    def _attempt(self, transition: Callable[[], None]) -> TransitionCallbackReturn:
+        """Run a transition; rclpy itself would swallow the reason of a failure."""
+        try:
+            transition()
+        except GncError as error:
+            self.failure = error
+            for line in str(error).splitlines():
+                self.get_logger().error(line)
+            return TransitionCallbackReturn.FAILURE
+        except Exception as error:
+            self.failure = error
+            self.get_logger().error(traceback.format_exc())
+            return TransitionCallbackReturn.ERROR
+        return TransitionCallbackReturn.SUCCESS
+
+    # Endpoints.
+
+    def advertise(self, topic: Topic) -> Publisher:
+        """Publish a topic of the graph; the endpoint lives until clean-up."""
+        callbacks = PublisherEventCallbacks(matched=self._on_match)
+        publisher = self.create_publisher(
+            topic.type, topic.name, topic.qos, event_callbacks=callbacks
+        )
+        self._endpoints.append(publisher)
+        if self._readiness is not None:
+            self._readiness.expect_subscribers(topic, publisher)
+        return publisher
+
+    def listen(
+        self, topic: Topic, callback: Callable[[bytes], None], qos: Any = None
+    ) -> Subscription:
+        """Receive the serialized messages of a topic of the graph."""
+        callbacks = SubscriptionEventCallbacks(matched=self._on_match)
+        subscription = self.create_subscription(
+            topic.type, topic.name, callback, qos or topic.qos, event_callbacks=callbacks, raw=True
+        )
+        self._endpoints.append(subscription)
+        if self._readiness is not None:
+            self._readiness.expect_publishers(topic, subscription)
+        return subscription
+
+    def every(self, wall_period: float, callback: Callable[[], None]) -> Timer:
+        """Call back every ``wall_period`` seconds of wall time."""
+        return self.own(self.create_timer(wall_period, callback, clock=self.steady))
+
+    def own(self, timer: Timer) -> Timer:
+        """Destroy ``timer`` on clean-up."""
+        self._endpoints.append(timer)
+        return timer
+
+    # Roll call.
+
+    def _on_match(self, _: Any) -> None:
+        self._call_roll()
+
+    def _call_roll(self) -> None:
+        if not self.active or self._called or self.missing():
+            return
+        self._called = True
+        if self.ROLE in READY.publishers:
+            self._ready.publish(encode(String(data=self.ROLE)))
+        self.on_everyone_ready()
+
+    def missing(self) -> tuple[str, ...]:
+        """Topics that still lack a counterpart."""
+        return () if self._readiness is None else self._readiness.missing()
+
+    # Trouble.
+
+    def refuse(self, topic: Topic, reason: str) -> None:
+        """Count a rejected message; tell about it once per second at most."""
+        self.refused += 1
+        now = time.monotonic()
+        if now - self._last_report >= _REPORT_PERIOD:
+            self._last_report = now
+            text = f"{topic.name}: {reason} (rejected so far: {self.refused})"
+            self.get_logger().warning(text)
+            self.diagnose(DiagnosticStatus.WARN, text, {"rejected_messages": self.refused})
+
+    def diagnose(self, level: bytes, text: str, values: dict[str, Any]) -> None:
+        """Publish a diagnostic of this node."""
+        self._diagnostics.publish(self.diagnostic(level, text, values))
+
+    def diagnostic(self, level: bytes, text: str, values: dict[str, Any]) -> bytes:
+        """Serialize a diagnostic of this node."""
+        entries = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+        status = DiagnosticStatus(level=level, name=self.ROLE, message=text, values=entries)
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self.get_clock().now().to_msg()
+        return encode(message)
+
+    def fail(self, error: Exception) -> None:
+        """End the node because of ``error``: the runner reports it."""
+        self.failure = error
+        self.finished = True

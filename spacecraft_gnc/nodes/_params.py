@@ -1,0 +1,112 @@
+"""ROS 2 parameters of a node: read from the command line, checked and declared by the schema."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from spacecraft_gnc.errors import ScenarioError
+from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
+from spacecraft_gnc.scenario.declare import declarations
+from spacecraft_gnc.scenario.parameter import Kind, ParameterSpec, Value
+
+_WILDCARD = "/**"
+_RANGE_END = 1.7976931348623157e308
+_ROS_OWN = ("use_sim_time", "start_type_description_service")
+
+
+def parameter_files(arguments: Sequence[str]) -> Iterator[Path]:
+    """Paths after ``--params-file`` on a command line."""
+    for flag, value in zip(arguments, arguments[1:], strict=False):
+        if flag == "--params-file":
+            yield Path(value)
+
+
+def load_scenario(node: Node, section: str, arguments: Sequence[str] = ()) -> Scenario:
+    """Return the checked scenario that a node was started with, and declare its parameters.
+
+    The node's own section is what ROS 2 gave it (files, ``-p``, remapped names); the other sections
+    are read from the files on the command line, so that one file describes the whole graph.
+
+    Raises
+    ------
+    ScenarioError
+        With every problem at once.
+    """
+    files = list(parameter_files(arguments or sys.argv))
+    sections: dict[str, dict[str, Any]] = {}
+    for file in files:
+        for name, values in read_sections(file).items():
+            sections.setdefault(name, {}).update(values)
+    sections.pop(_WILDCARD, None)
+    own = sections.setdefault(section, {})
+    own.update(given_parameters(node))
+    scenario = from_sections(sections, str(files[0]) if files else node.get_name())
+    _declare(node, section, scenario)
+    return scenario
+
+
+def given_parameters(node: Node) -> dict[str, Any]:
+    """Return the values that ROS 2 was given for a node (files, ``-p``), declared or not."""
+    # rclpy offers no public view of them, and declaring them all fails on an empty list.
+    overrides: dict[str, Parameter] = node._parameter_overrides  # noqa: SLF001
+    return {
+        name: parameter.value
+        for name, parameter in overrides.items()
+        if name not in _ROS_OWN and not name.startswith("qos_overrides.")
+    }
+
+
+def _declare(node: Node, section: str, scenario: Scenario) -> None:
+    """Declare every parameter with type, range, unit and description, holding its checked value."""
+    own = getattr(scenario, _ATTRIBUTES[section])
+    zones = getattr(scenario.controller, "zones", ())
+    names = [zone.name for zone in zones]
+    for name, spec in declarations(section, names, own.plugin):
+        value = scenario.values[section][name]
+        if not node.has_parameter(name):  # else declared by an earlier configure
+            node.declare_parameter(name, _ros_value(spec, value), _descriptor(spec), True)
+
+
+_ATTRIBUTES = {
+    "plant": "plant",
+    "nmpc_controller": "controller",
+    "reference_governor": "governor",
+    "recorder": "recorder",
+}
+
+
+def _ros_value(spec: ParameterSpec, value: Value) -> Any:
+    if value == []:  # rclpy takes an empty list for bytes
+        return _EMPTY.get(spec.kind, Parameter.Type.DOUBLE_ARRAY)
+    return value
+
+
+_EMPTY = {Kind.STRING_ARRAY: Parameter.Type.STRING_ARRAY}
+
+
+def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
+    descriptor = ParameterDescriptor(
+        description=f"{spec.description} [{spec.unit or '-'}]",
+        additional_constraints=spec.requirement,
+        read_only=spec.read_only,
+        dynamic_typing=spec.kind is Kind.DYNAMIC,
+    )
+    if spec.minimum is None and spec.maximum is None:
+        return descriptor
+    low = -_RANGE_END if spec.minimum is None else spec.minimum
+    high = _RANGE_END if spec.maximum is None else spec.maximum
+    if spec.kind is Kind.DOUBLE:
+        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+    elif spec.kind is Kind.INTEGER:
+        high = 2**63 - 1 if spec.maximum is None else int(high)
+        descriptor.integer_range = [
+            IntegerRange(from_value=int(low), to_value=int(high), step=1)
+        ]
+    return descriptor

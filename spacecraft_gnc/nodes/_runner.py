@@ -1,0 +1,158 @@
+"""The one way to run nodes as a process: start, spin, end cleanly on a signal, report errors.
+
+Exit codes: 0 the work is done or the node was told to end (SIGINT, SIGTERM, or a launcher that
+went away), 1 it could not go on, 2 its parameters were refused.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import rclpy
+from rclpy.executors import Executor
+from rclpy.experimental import EventsExecutor
+from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import remove_ros_args
+
+from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
+from spacecraft_gnc.launcher.environment import SUPERVISED, prepare
+from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.nodes._params import given_parameters, parameter_files
+
+_SPIN = 0.1  # [s] wall: how late a signal may be noticed
+_DRAIN_ROUNDS = 50  # looks at an empty queue before it counts as empty
+_AUTOSTART = "autostart"
+
+
+def run(*node_types: type[GncNode], arguments: Sequence[str] | None = None) -> int:
+    """Run nodes in one process and one executor until all are told to end, or one has finished.
+
+    Parameters
+    ----------
+    node_types
+        Nodes, in the order in which they start; they end in reverse.
+    arguments
+        Command line; by default that of the process.
+
+    Returns
+    -------
+    int
+        Exit code.
+    """
+    argv = list(sys.argv if arguments is None else arguments)
+    stop = _StopRequest()
+    nodes: list[GncNode] = []
+    try:
+        _check_arguments(argv)
+        prepare(os.environ)
+        rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
+        executor = EventsExecutor()
+        for node_type in node_types:
+            nodes.append(node_type())
+            executor.add_node(nodes[-1])
+        try:
+            _start(nodes)
+            _spin(executor, nodes, stop)
+        finally:
+            _end(executor, nodes)
+        return _exit_code(nodes)
+    except GncError as error:
+        report(error)
+        return error.exit_code
+    except Exception:
+        traceback.print_exc()
+        return 1
+    finally:
+        for node in nodes:
+            with suppress(Exception):  # the process ends anyway; its exit code is settled
+                node.destroy_node()
+        rclpy.try_shutdown()
+
+
+def report(error: Exception) -> None:
+    """Print an error as the command line does: one line for each problem."""
+    for line in str(error).splitlines():
+        print(f"error: {line}", file=sys.stderr, flush=True)
+
+
+class _StopRequest:
+    """Whether a signal, or the end of a supervising launcher, asks this process to end."""
+
+    def __init__(self) -> None:
+        self._asked = False
+        self._supervised = os.environ.get(SUPERVISED) == "1"
+        self._next_look = 0.0
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, *_: Any) -> None:
+        self._asked = True
+
+    def __bool__(self) -> bool:
+        if self._supervised and time.monotonic() >= self._next_look:
+            self._next_look = time.monotonic() + _SPIN
+            readable, _, _ = select.select([0], [], [], 0.0)
+            self._asked |= bool(readable) and os.read(0, 1) == b""
+        return self._asked
+
+
+def _check_arguments(argv: Sequence[str]) -> None:
+    name = Path(argv[0]).name
+    for argument in remove_ros_args(list(argv))[1:]:
+        raise ScenarioError(
+            f"{name}: received {argument!r}; required ROS 2 arguments only; write {name} --ros-args "
+            "--params-file config/SCENARIO.yaml"
+        )
+    for file in parameter_files(argv):
+        if not file.is_file():
+            raise ScenarioError(
+                f"{file}: no such file; required a ROS 2 parameter file; check the path"
+            )
+
+
+def _start(nodes: Sequence[GncNode]) -> None:
+    """Configure and activate the nodes that have no launcher to do so."""
+    for node in nodes:
+        if not given_parameters(node).get(_AUTOSTART, True):
+            continue
+        for transition in (node.trigger_configure, node.trigger_activate):
+            if transition() != TransitionCallbackReturn.SUCCESS:
+                raise node.failure or LaunchError(f"{node.ROLE}: refused to start; see its log")
+
+
+def _spin(executor: Executor, nodes: Sequence[GncNode], stop: _StopRequest) -> None:
+    while not stop and not any(node.finished for node in nodes):
+        executor.spin_once(timeout_sec=_SPIN)
+
+
+def _end(executor: Executor, nodes: Sequence[GncNode]) -> None:
+    """Shut the nodes down, last first, so that the recorder hears the last words of all."""
+    for node in reversed(nodes):
+        _drain(executor, node)
+        node.trigger_shutdown()
+
+
+def _exit_code(nodes: Sequence[GncNode]) -> int:
+    failures = [node.failure for node in nodes if node.failure is not None]
+    for failure in failures:
+        report(failure)
+    return max((getattr(failure, "exit_code", 1) for failure in failures), default=0)
+
+
+def _drain(executor: Executor, node: GncNode) -> None:
+    """Let a node handle what has reached it before it ends."""
+    handled = -1
+    while handled != node.progress():
+        handled = node.progress()
+        for _ in range(_DRAIN_ROUNDS):
+            executor.spin_once(timeout_sec=0.0)

@@ -1,0 +1,148 @@
+"""The SlewTo action: one target at a time, the newest wins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.node import Node
+from rclpy.task import Future
+from spacecraft_gnc_msgs.action import SlewTo
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.loop.protocols import State
+from spacecraft_gnc.nodes._topics import SLEW_ACTION
+from spacecraft_gnc.types import Matrix3, Vector3
+
+_FEEDBACK_STRIDE = 10  # control steps between two feedback messages
+_NORM_TOLERANCE = 1e-3  # room for quaternions typed in with a few digits
+
+
+@dataclass(slots=True)
+class _Slew:
+    """A goal being flown."""
+
+    handle: Any
+    done: Future
+    target: Matrix3
+    tolerance: float
+    message: str = ""
+    reached: bool = False
+    error: float = math.nan
+    step: int = 0
+
+
+class SlewServer:
+    """Serves SlewTo on behalf of the governor.
+
+    Parameters
+    ----------
+    node
+        The node that hosts the action.
+    set_target
+        Takes the target (3, 3); raises `GncError` with the reason where it is inadmissible.
+    tolerance, rate_tolerance
+        A slew has arrived below this error [rad] (unless the goal names its own) and body rate
+        [rad/s].
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        set_target: Callable[[Matrix3], None],
+        tolerance: float,
+        rate_tolerance: float,
+    ) -> None:
+        self._node = node
+        self._set_target = set_target
+        self._tolerance = tolerance
+        self._rate_tolerance = rate_tolerance
+        self._slew: _Slew | None = None
+        self._server = ActionServer(
+            node,
+            SlewTo,
+            SLEW_ACTION,
+            self._fly,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )
+
+    def destroy(self) -> None:
+        """Abort the goal being flown and withdraw the action."""
+        self.preempt("the governor was stopped")
+        self._server.destroy()
+
+    def preempt(self, reason: str) -> None:
+        """Abort the goal being flown, if there is one."""
+        self._end("abort", reason)
+
+    def update(self, state: State, angular_velocity: Vector3, alpha: float) -> None:
+        """Judge the goal being flown by the state of a new step; tell the client now and then."""
+        slew = self._slew
+        if slew is None:
+            return
+        slew.step = state.step
+        slew.error = lie.angle_between(state.attitude, slew.target)
+        rate = math.sqrt(float(angular_velocity @ angular_velocity))
+        if slew.handle.is_cancel_requested:
+            self._end("canceled", "cancelled; the target stays commanded")
+        elif slew.error < slew.tolerance and rate < self._rate_tolerance:
+            slew.reached = True
+            self._end("succeed", "target reached")
+        elif state.step % _FEEDBACK_STRIDE == 0:
+            feedback = SlewTo.Feedback(step=state.step, error_angle=slew.error, alpha=alpha)
+            slew.handle.publish_feedback(feedback)
+
+    async def _fly(self, handle: Any) -> SlewTo.Result:
+        """Fly one goal: begin it, then wait until `update` or another goal ends it."""
+        slew = _Slew(handle, Future(executor=self._node.executor), np.eye(3), self._tolerance)
+        try:
+            slew.target = _target(handle.request.target)
+            slew.tolerance = _tolerance(handle.request.tolerance) or self._tolerance
+            self._set_target(slew.target)
+        except GncError as error:
+            handle.abort()
+            return SlewTo.Result(reached=False, final_error=math.nan, message=str(error))
+        self.preempt("preempted by a newer target")
+        self._slew = slew
+        await slew.done
+        return SlewTo.Result(
+            reached=slew.reached,
+            final_error=slew.error,
+            step=slew.step,
+            message=slew.message,
+        )
+
+    def _end(self, outcome: str, message: str) -> None:
+        slew, self._slew = self._slew, None
+        if slew is not None:
+            slew.message = message
+            getattr(slew.handle, outcome)()
+            slew.done.set_result(None)
+
+
+class _BadGoal(GncError):
+    """A goal that makes no sense."""
+
+
+def _target(quaternion: Any) -> Matrix3:
+    q = np.array([quaternion.x, quaternion.y, quaternion.z, quaternion.w])
+    norm = float(np.linalg.norm(q))
+    if not abs(norm - 1.0) <= _NORM_TOLERANCE:
+        raise _BadGoal(
+            f"target: received a quaternion x, y, z, w = {q.tolist()} of norm {norm:.6g}; required "
+            f"norm 1 within {_NORM_TOLERANCE:g}; normalise it"
+        )
+    return lie.from_quaternion_xyzw(q)
+
+
+def _tolerance(value: float) -> float:
+    if not 0.0 <= value <= math.pi:
+        raise _BadGoal(
+            f"tolerance: received {value} rad; required 0 (the server's default) to pi; correct it"
+        )
+    return value

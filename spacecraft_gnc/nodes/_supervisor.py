@@ -1,0 +1,140 @@
+"""The launcher's own ROS 2 node: drives life cycles and listens for progress."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from spacecraft_gnc_msgs.msg import WallTiming
+
+from spacecraft_gnc.nodes._topics import PLANT, WALL_STATUS, WALL_TIMING
+
+
+class Stage(Enum):
+    """How far a node has come."""
+
+    STARTING = "starting"
+    CONFIGURING = "configuring"
+    CONFIGURED = "configured"
+    ACTIVATING = "activating"
+    ACTIVE = "active"
+    REFUSED = "refused"
+
+
+@dataclass(slots=True)
+class Progress:
+    """What the graph last told about itself."""
+
+    step: int = -1
+    """Last control step reported; -1: none."""
+    wall_elapsed: float = 0.0
+    """Since step 0 [s]."""
+    latency: float = math.nan
+    """State to torque [s]."""
+    missed_deadlines: int = 0
+    attitude_error: float = math.nan
+    """Angle between attitude and reference [rad]."""
+    solve_time: float = math.nan
+    """[s]"""
+
+
+class Supervisor:
+    """Brings nodes to life and knows how they fare. Use it as a context manager.
+
+    Parameters
+    ----------
+    names
+        Nodes to look after.
+    """
+
+    def __init__(self, names: Sequence[str]) -> None:
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        self._node = Node(f"launcher_{os.getpid()}", start_parameter_services=False)
+        self._executor = EventsExecutor()
+        self._executor.add_node(self._node)
+        self._nodes = {name: _Managed(self._node, name) for name in names}
+        self.progress = Progress()
+        for topic, callback in ((WALL_TIMING, self._on_timing), (WALL_STATUS, self._on_status)):
+            self._node.create_subscription(topic.type, topic.name, callback, topic.qos)
+
+    def __enter__(self) -> Supervisor:
+        """Return the supervisor."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the graph."""
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+
+    def spin(self, wall_time: float) -> None:
+        """Handle what arrives for about ``wall_time`` seconds, and push every node on."""
+        deadline = time.monotonic() + wall_time
+        self._push()
+        while (remaining := deadline - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=remaining)
+        self._push()
+
+    def stages(self) -> dict[str, Stage]:
+        """Return how far each node has come."""
+        return {name: node.stage for name, node in self._nodes.items()}
+
+    def _push(self) -> None:
+        """Configure all together; activate when all are configured, the plant last."""
+        stages = [node.stage for node in self._nodes.values()]
+        all_configured = not {Stage.STARTING, Stage.CONFIGURING} & set(stages)
+        for name, node in self._nodes.items():
+            others = (n.stage for other, n in self._nodes.items() if other != name)
+            allowed = name != PLANT or all(stage is Stage.ACTIVE for stage in others)
+            node.push(may_activate=all_configured and allowed)
+
+    def _on_timing(self, message: WallTiming) -> None:
+        progress = self.progress
+        progress.step = message.step
+        progress.wall_elapsed = message.wall_elapsed
+        progress.latency = message.wall_latency
+        progress.missed_deadlines = message.missed_deadlines
+
+    def _on_status(self, message: Any) -> None:
+        values = {entry.key: entry.value for entry in message.status[0].values}
+        self.progress.attitude_error = float(values.get("attitude_error", math.nan))
+        self.progress.solve_time = float(values.get("wall_solve_time", math.nan))
+
+
+class _Managed:
+    """One lifecycle node, seen from outside."""
+
+    def __init__(self, node: Node, name: str) -> None:
+        self._client = node.create_client(ChangeState, f"{name}/change_state")
+        self._answer: Any = None
+        self.stage = Stage.STARTING
+
+    def push(self, *, may_activate: bool) -> None:
+        """Take the next step towards ACTIVE, if it can be taken now."""
+        if self.stage is Stage.STARTING and self._client.service_is_ready():
+            self._ask(Transition.TRANSITION_CONFIGURE, Stage.CONFIGURING)
+        elif self.stage is Stage.CONFIGURED and may_activate:
+            self._ask(Transition.TRANSITION_ACTIVATE, Stage.ACTIVATING)
+        elif self._answer is not None and self._answer.done():
+            success = self._answer.result().success
+            self._answer = None
+            self.stage = _NEXT[self.stage] if success else Stage.REFUSED
+
+    def _ask(self, transition: int, stage: Stage) -> None:
+        request = ChangeState.Request()
+        request.transition.id = transition
+        self._answer = self._client.call_async(request)
+        self.stage = stage
+
+
+_NEXT = {Stage.CONFIGURING: Stage.CONFIGURED, Stage.ACTIVATING: Stage.ACTIVE}

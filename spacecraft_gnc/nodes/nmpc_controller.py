@@ -1,0 +1,156 @@
+"""Node ``nmpc_controller``: solves one optimal control problem at each tick of simulated time."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import ClassVar
+
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.loop.protocols import Command, Reference, State
+from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes._markers import encode_zone_markers
+from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.nodes._runner import run
+from spacecraft_gnc.nodes._topics import (
+    CONTROLLER,
+    REFERENCE,
+    SOLVER_STATUS,
+    STATE,
+    TORQUE,
+    WALL_STATUS,
+    WALL_STATUS_PERIOD,
+    ZONE_MARKERS,
+)
+from spacecraft_gnc.scenario import Scenario
+
+_NEVER = -1
+
+
+class ControllerNode(GncNode):
+    """Answers step k once state k and reference k are here and simulated time has reached t_k.
+
+    Whichever comes last triggers the solve, so arrival order does not matter. A repeated state is
+    answered by the same bytes.
+    """
+
+    ROLE: ClassVar[str] = CONTROLLER
+
+    def build(self, scenario: Scenario) -> None:
+        """Build the controller and load its kernels."""
+        self._controller = scenario.build_controller()
+        self._controller.warm_up()
+        self._period_ns = convert.period_ns(self._controller.period)
+        self._status = convert.SolverStatusEncoder(self._controller.name)
+        free_run = scenario.plant.mode == "free_run"
+        factor = scenario.plant.real_time_factor
+        self._wall_period = self._controller.period / factor if free_run else math.nan
+
+    def open(self) -> None:
+        """Create the endpoints."""
+        self._publish_torque = self.advertise(TORQUE).publish
+        self._publish_status = self.advertise(SOLVER_STATUS).publish
+        self._publish_wall_status = self.advertise(WALL_STATUS).publish
+        self._markers = self.advertise(ZONE_MARKERS)
+        self.listen(STATE, self._on_state)
+        self.listen(REFERENCE, self._on_reference)
+        timer = self.create_timer(self._controller.period, self._on_tick)
+        timer.timer_period_ns = self._period_ns
+        self.own(timer)
+        self.every(WALL_STATUS_PERIOD, self._report)
+
+    def start(self) -> None:
+        """Forget the past."""
+        self._controller.reset()
+        self._state_bytes = self._torque_bytes = b""
+        self._state: State | None = None
+        self._reference: Reference | None = None
+        self._reference_step = self._answered = _NEVER
+        self._due = 0  # a ROS-time timer never fires at t = 0, where step 0 is due
+        self._command: Command | None = None
+        self._markers.publish(encode_zone_markers(self.scenario.controller.zones))
+
+    # What arrives.
+
+    def _on_state(self, data: bytes) -> None:
+        if not self.active:
+            return
+        if data == self._state_bytes:
+            self._repeat()
+            return
+        last = _NEVER if self._state is None else self._state.step
+        try:
+            self._stamp, self._state, _ = convert.decode_state(data, last)
+        except convert.Refused as error:
+            self.refuse(STATE, str(error))
+            return
+        self._state_bytes = data
+        self._arrival = time.perf_counter()
+        self._answer_if_due()
+
+    def _on_reference(self, data: bytes) -> None:
+        if not self.active:
+            return
+        try:
+            step, self._reference = convert.decode_reference(data, self._reference_step)
+        except convert.Refused as error:
+            self.refuse(REFERENCE, str(error))
+            return
+        self._reference_step = step
+        self._answer_if_due()
+
+    def _on_tick(self) -> None:
+        self._due = self.get_clock().now().nanoseconds // self._period_ns
+        if self.active:
+            self._answer_if_due()
+
+    # What goes out.
+
+    def _answer_if_due(self) -> None:
+        state, reference = self._state, self._reference
+        if state is None or reference is None:
+            return
+        step = state.step
+        if self._reference_step == step > self._answered and self._due >= step:
+            self._answered = step
+            self._answer(state, reference)
+
+    def _answer(self, state: State, reference: Reference) -> None:
+        begun = time.perf_counter()
+        self._command = command = self._controller.command(state, reference)
+        self._torque_bytes = convert.encode_torque(self._stamp, state.step, command)
+        self._publish_torque(self._torque_bytes)
+        now = time.perf_counter()
+        wall = (now - begun, self._wall_period - (now - self._arrival))
+        self._publish_status(self._status.encode(self._stamp, state.step, command.solution, wall))
+
+    def _repeat(self) -> None:
+        if self._state is not None and self._answered == self._state.step:
+            self._publish_torque(self._torque_bytes)
+
+    def _report(self) -> None:
+        """Publish what a progress display shows."""
+        state, reference, command = self._state, self._reference, self._command
+        if not self.active or state is None or reference is None or command is None:
+            return
+        solve_time = command.solution.solve_time if command.solution else math.nan
+        values = {
+            "step": state.step,
+            "attitude_error": lie.angle_between(state.attitude, reference.attitude),
+            "wall_solve_time": solve_time,
+            "source": int(command.source),
+            "rejected_messages": self.refused,
+        }
+        text = f"step {state.step}"
+        self._publish_wall_status(self.diagnostic(DiagnosticStatus.OK, text, values))
+
+
+def main() -> int:
+    """Run the node until it is told to end."""
+    return run(ControllerNode)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

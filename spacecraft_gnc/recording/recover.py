@@ -1,0 +1,118 @@
+"""Save what is whole of an MCAP file that was cut off: by a crash, a kill or a full disk."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from struct import Struct
+from typing import IO, Final
+
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Channel, Chunk, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.writer import CompressionType, Writer
+
+MAGIC: Final = b"\x89MCAP0\r\n"
+_RECORD_HEAD = Struct("<BQ")  # opcode, length of the content
+_LAST_OPCODES = (Opcode.DATA_END, Opcode.FOOTER)
+
+
+def rewrite(source: Path, target: Path) -> int:
+    """Copy every whole message, attachment and metadata record of an MCAP file into a new one.
+
+    Parameters
+    ----------
+    source
+        Finished or cut off.
+    target
+        Indexed MCAP file, created or replaced.
+
+    Returns
+    -------
+    int
+        Messages saved.
+    """
+    with source.open("rb") as stream, target.open("wb") as output:
+        writer = Writer(output, compression=CompressionType.ZSTD)
+        writer.start(profile="ros2", library="spacecraft_gnc, recovered")
+        copy = _Copy(writer)
+        for record in whole_records(stream):
+            copy.add(record)
+        writer.finish()  # type: ignore[no-untyped-call]
+    return copy.messages
+
+
+def whole_records(stream: IO[bytes]) -> Iterator[McapRecord]:
+    """Yield the records of the data section up to the first that is damaged or cut off."""
+    end = _whole_length(stream)
+    if stream.seek(len(MAGIC)) == end:
+        return
+    for record in StreamReader(stream, skip_magic=True, emit_chunks=True).records:
+        if isinstance(record, Chunk):
+            yield from _chunk_records(record)
+        else:
+            yield record
+        if stream.tell() >= end:
+            return
+
+
+def _chunk_records(chunk: Chunk) -> list[McapRecord]:
+    try:
+        return breakup_chunk(chunk, validate_crc=True)
+    except Exception:  # noqa: BLE001  # a torn chunk makes the decompressor raise its own errors
+        return []
+
+
+def _whole_length(stream: IO[bytes]) -> int:
+    """Return the offset where the last whole record of the data section ends."""
+    size = stream.seek(0, 2)
+    position = len(MAGIC)
+    while position + _RECORD_HEAD.size <= size:
+        stream.seek(position)
+        opcode, length = _RECORD_HEAD.unpack(stream.read(_RECORD_HEAD.size))
+        following = position + _RECORD_HEAD.size + length
+        # Blocks that a power cut left unwritten read as zeros: no record has opcode 0.
+        if opcode == 0 or opcode in _LAST_OPCODES or following > size:
+            break
+        position = following
+    return position
+
+
+class _Copy:
+    """Feeds records into a writer, with the writer's own identifiers."""
+
+    def __init__(self, writer: Writer) -> None:
+        self._writer = writer
+        self._schema_ids: dict[int, int] = {0: 0}
+        self._channel_ids: dict[int, int] = {}
+        self.messages = 0
+
+    def add(self, record: McapRecord) -> None:
+        """Copy one record; indexes are left to the writer."""
+        match record:
+            case Schema() if record.id not in self._schema_ids:
+                self._schema_ids[record.id] = self._writer.register_schema(
+                    record.name, record.encoding, record.data
+                )
+            case Channel() if record.id not in self._channel_ids:
+                self._channel_ids[record.id] = self._writer.register_channel(
+                    record.topic,
+                    record.message_encoding,
+                    self._schema_ids[record.schema_id],
+                    record.metadata,
+                )
+            case Message():
+                self._writer.add_message(
+                    self._channel_ids[record.channel_id],
+                    record.log_time,
+                    record.data,
+                    record.publish_time,
+                    record.sequence,
+                )
+                self.messages += 1
+            case Attachment():
+                self._writer.add_attachment(
+                    record.create_time, record.log_time, record.name, record.media_type, record.data
+                )
+            case Metadata():
+                self._writer.add_metadata(record.name, record.metadata)

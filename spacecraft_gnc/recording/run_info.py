@@ -1,0 +1,86 @@
+"""What is known of a run beside its arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.scenario import Scenario, load
+
+SCENARIO_ATTACHMENT: Final = "scenario.yaml"
+"""Name under which a recorder attaches the scenario that flew, with overrides merged in."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunInfo:
+    """Where a trajectory comes from, and how complete it is.
+
+    Attributes
+    ----------
+    path
+        Bag or file.
+    scenario
+        What flew; None where it was not recorded or this version refuses it.
+    scenario_text
+        The same as recorded.
+    scenario_problem
+        Why this version refuses the recorded scenario; empty if it does not.
+    unfinished
+        Whether the bag was cut off.
+    missing
+        Steps without a message, by topic. Their rows are NaN (integers: -1).
+    overridden
+        Steps whose applied torque differs from the command (late, refused or never came).
+    metadata
+        Records of the bag, for instance versions.
+    """
+
+    path: Path
+    scenario: Scenario | None = None
+    scenario_text: str = ""
+    scenario_problem: str = ""
+    unfinished: bool = False
+    missing: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    overridden: tuple[int, ...] = ()
+    metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+
+    def warnings(self) -> list[str]:
+        """Return what a reader of the run should be told, one line each."""
+        lines = []
+        if self.unfinished:
+            lines.append(f"{self.path}: the bag was cut off; what was saved is shown")
+        for topic, steps in self.missing.items():
+            lines.append(f"{self.path}: {topic} lacks {_listed(steps)}")
+        if self.overridden:
+            lines.append(
+                f"{self.path}: the plant applied another torque than commanded in "
+                f"{_listed(self.overridden)}"
+            )
+        if self.scenario_problem:
+            lines.append(f"{self.path}: recorded scenario not used: {self.scenario_problem}")
+        return lines
+
+
+def parse_scenario(text: str, source: Path) -> tuple[Scenario | None, str]:
+    """Return the scenario in a text and, if it is refused, the first reason."""
+    if not text:
+        return None, ""
+    with TemporaryDirectory(prefix="gnc_scenario_") as folder:
+        file = Path(folder, SCENARIO_ATTACHMENT)
+        file.write_text(text, encoding="utf-8")
+        try:
+            scenario = load(file)
+        except GncError as error:
+            return None, str(error).splitlines()[0].replace(str(file), SCENARIO_ATTACHMENT)
+    return replace(scenario, path=f"{source}/{SCENARIO_ATTACHMENT}"), ""
+
+
+def _listed(steps: tuple[int, ...]) -> str:
+    """Return ``step 7``, or ``12 steps (first 7, last 90)``."""
+    if len(steps) == 1:
+        return f"step {steps[0]}"
+    return f"{len(steps)} steps (first {steps[0]}, last {steps[-1]})"

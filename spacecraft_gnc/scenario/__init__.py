@@ -1,0 +1,15 @@
+"""One scenario: a ROS 2 parameter file, checked without ROS, and the cores built from it."""
+
+from spacecraft_gnc.scenario.load import from_sections, load, overlay, read_sections
+from spacecraft_gnc.scenario.problems import InvalidScenario, Problem
+from spacecraft_gnc.scenario.scenario import Scenario
+
+__all__ = [
+    "InvalidScenario",
+    "Problem",
+    "Scenario",
+    "from_sections",
+    "load",
+    "overlay",
+    "read_sections",
+]

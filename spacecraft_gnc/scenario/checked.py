@@ -1,0 +1,140 @@
+"""All values of a scenario, each checked by itself, with every problem found on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from spacecraft_gnc.scenario.declare import (
+    Declaration,
+    declarations,
+    is_ros_own,
+    known_names,
+    spec_of,
+    zone_of,
+)
+from spacecraft_gnc.scenario.parameter import Value
+from spacecraft_gnc.scenario.problems import Problem, shown, suggestion
+from spacecraft_gnc.scenario.schema import SECTIONS
+from spacecraft_gnc.scenario.values import Refusal, admissible
+from spacecraft_gnc.scenario.yaml_file import WILDCARD, Entry, Given
+
+
+@dataclass(slots=True)
+class Checked:
+    """What was given, what of it holds, and what does not."""
+
+    source: str
+    """File (or caller) to blame for what is missing."""
+    given: Given
+    """By section; the wildcard section is merged beneath each."""
+    problems: list[Problem]
+    values: dict[str, dict[str, Value]] = field(default_factory=dict)
+    """Section -> every parameter by dotted name, defaults included; refused ones are absent."""
+
+    def get(self, section: str, name: str) -> Value | None:
+        """Return an admissible value; None where it was refused."""
+        return self.values[section].get(name)
+
+    def zone_names(self) -> tuple[str, ...]:
+        """Return the zones that are defined, in the order of the file."""
+        names = (zone_of(name) for name in self.given.get("nmpc_controller", {}))
+        return tuple(dict.fromkeys(name for name in names if name is not None))
+
+    def plugin(self, section: str) -> dict[str, Value]:
+        """Return the given parameters ``plugin.<name>`` without their prefix."""
+        prefix = "plugin."
+        return {
+            name.removeprefix(prefix): entry.value
+            for name, entry in self.given.get(section, {}).items()
+            if name.startswith(prefix) and entry.value is not None
+        }
+
+    def complain(self, section: str, name: str, value: str, requirement: str, remedy: str) -> None:
+        """Add a problem, placed at the line of ``section.name`` where that was given."""
+        entry = self.given.get(section, {}).get(name)
+        file, line = (entry.file, entry.line) if entry else (self.source, None)
+        key = f"{section}.{name}"
+        self.problems.append(Problem(file, line, key, value, requirement, remedy))
+
+
+def check_values(given: Given, source: str, problems: list[Problem]) -> Checked:
+    """Check every value by itself and fill in the defaults."""
+    checked = Checked(source, _merge_wildcard(given, problems), problems)
+    for section in SECTIONS:
+        checked.values[section] = {}
+        for name, entry in checked.given.get(section, {}).items():
+            _check_entry(checked, section, name, entry)
+        for declaration in all_declarations(checked, section):
+            _fill_in(checked, section, declaration)
+    return checked
+
+
+def all_declarations(checked: Checked, section: str) -> tuple[Declaration, ...]:
+    """Return the declarations of a section, with the zones and plug-in parameters given."""
+    zones = checked.zone_names() if section == "nmpc_controller" else ()
+    return declarations(section, zones, checked.plugin(section))
+
+
+def _merge_wildcard(given: Given, problems: list[Problem]) -> Given:
+    """Put the entries of ``/**`` beneath each section that knows them, as ROS 2 does."""
+    merged = {section: dict(entries) for section, entries in given.items() if section != WILDCARD}
+    for name, entry in given.get(WILDCARD, {}).items():
+        users = [
+            section
+            for section in SECTIONS
+            if is_ros_own(section, name) or spec_of(section, name, entry.value) is not None
+        ]
+        for section in users:
+            if section in merged or not is_ros_own(section, name):
+                merged.setdefault(section, {}).setdefault(name, entry)
+        if not users:
+            known = sorted({known for section in SECTIONS for known in known_names(section)})
+            key = f"{WILDCARD}.{name}"
+            need = "a parameter of at least one node"
+            remedy = suggestion(name, known)
+            problems.append(
+                Problem(entry.file, entry.line, key, "an unknown parameter", need, remedy)
+            )
+    return merged
+
+
+def _check_entry(checked: Checked, section: str, name: str, entry: Entry) -> None:
+    if is_ros_own(section, name) or entry.value is None:
+        return
+    spec = spec_of(section, name, entry.value)
+    if spec is None:
+        _unknown(checked, section, name)
+        return
+    try:
+        checked.values[section][name] = admissible(spec, entry.value, entry.coerce)
+    except Refusal as refusal:
+        checked.complain(section, name, refusal.received, refusal.requirement, refusal.remedy)
+
+
+def _unknown(checked: Checked, section: str, name: str) -> None:
+    known = known_names(section, zone_of(name))
+    elsewhere = [other for other in SECTIONS if name in known_names(other)]
+    remedy = f"move it to {elsewhere[0]}" if elsewhere else suggestion(name, known)
+    need = f"a parameter of {section}"
+    checked.complain(section, name, "an unknown parameter", need, remedy)
+
+
+def _fill_in(checked: Checked, section: str, declaration: Declaration) -> None:
+    name, spec = declaration
+    entry = checked.given.get(section, {}).get(name)
+    if entry is None:
+        checked.values[section][name] = spec.default
+    if spec.required and name.startswith("zones."):
+        value = checked.get(section, name)
+        if entry is None or value == []:
+            received = "nothing" if entry is None else shown(entry.value)
+            checked.complain(section, name, received, spec.requirement, "add it")
+
+
+def merged_sections(given: Mapping[str, Mapping[str, Entry]]) -> dict[str, dict[str, Value]]:
+    """Return the plain values by section and dotted name."""
+    return {
+        section: {name: entry.value for name, entry in entries.items() if entry.value is not None}
+        for section, entries in given.items()
+    }

@@ -1,0 +1,216 @@
+"""A ROS 2 parameter file, or the parameters of a live node, to a checked `Scenario`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from spacecraft_gnc.scenario.checked import Checked, check_values, merged_sections
+from spacecraft_gnc.scenario.checks import check_all
+from spacecraft_gnc.scenario.declare import flatten, spec_of, unflatten
+from spacecraft_gnc.scenario.parameter import Value, specs_of, typed
+from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
+from spacecraft_gnc.scenario.scenario import Scenario
+from spacecraft_gnc.scenario.schema import (
+    SECTIONS,
+    ControllerParameters,
+    GovernorParameters,
+    LauncherParameters,
+    PlantParameters,
+    RecorderParameters,
+    WeightParameters,
+    ZoneParameters,
+)
+from spacecraft_gnc.scenario.values import plain
+from spacecraft_gnc.scenario.yaml_file import WILDCARD, Entry, Given, parse_value, read
+
+Overrides = Mapping[str, Any] | Sequence[str]
+"""``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``."""
+
+
+def load(path: str | Path, overrides: Overrides = ()) -> Scenario:
+    """Read and check a scenario file.
+
+    Parameters
+    ----------
+    path : str or Path
+        ROS 2 parameter file.
+    overrides : mapping or sequence of str
+        Values that replace those of the file; an integer may stand for a double here.
+
+    Raises
+    ------
+    InvalidScenario
+        With every problem of the file and of the overrides at once.
+    """
+    given, problems = read(Path(path), tuple(SECTIONS))
+    given.setdefault("plant", {})  # a scenario has a plant, stated or by default
+    _apply(overrides, given, problems)
+    return _scenario(given, str(path), problems)
+
+
+def read_sections(path: str | Path) -> dict[str, dict[str, Value]]:
+    """Return the sections of a file, by dotted name, without checking the values.
+
+    A node lays its own ROS 2 parameters over these and hands them to `from_sections`. The wildcard
+    section ``/**`` is among them.
+
+    Raises
+    ------
+    InvalidScenario
+        If the file cannot be read, or holds keys that ROS 2 could not use.
+    """
+    given, problems = read(Path(path), tuple(SECTIONS))
+    if problems:
+        raise InvalidScenario(problems)
+    return merged_sections(given)
+
+
+def overlay(
+    sections: Mapping[str, Mapping[str, Any]], section: str, values: Mapping[str, Any]
+) -> dict[str, Mapping[str, Any]]:
+    """Lay what ROS 2 gave a live node over the sections of its files.
+
+    ROS 2 gives a node all of ``/**``, also what is meant for others, and nothing (None) for an
+    empty list: neither must surprise `from_sections`.
+
+    Parameters
+    ----------
+    sections : mapping
+        From `read_sections`.
+    section : str
+        The node's own.
+    values : mapping
+        Dotted name -> value, as ROS 2 has them.
+    """
+    wildcard = sections.get(WILDCARD, {})
+    own = dict(sections.get(section, {}))
+    for name, value in values.items():
+        spec = spec_of(section, name, value)
+        if spec is None and name in wildcard:
+            continue
+        is_empty_list = value is None and spec is not None and spec.shape
+        own[name] = [] if is_empty_list else value
+    return {**sections, section: own}
+
+
+def from_sections(
+    sections: Mapping[str, Mapping[str, Any]], source: str = "parameters"
+) -> Scenario:
+    """Check parameters that are already in memory.
+
+    Parameters
+    ----------
+    sections : mapping
+        Node name -> parameters, nested or dotted; tuples and arrays stand for lists, None for
+        "not given". Sections that are absent take their defaults: a node alone need not know the
+        plant, and is asked for the inertia only where it needs it.
+    source : str
+        What to name as the file in problems.
+
+    Raises
+    ------
+    InvalidScenario
+        With every problem at once.
+    """
+    given: Given = {}
+    problems: list[Problem] = []
+    for section, values in sections.items():
+        if section not in (*SECTIONS, WILDCARD):
+            remedy = suggestion(section, tuple(SECTIONS))
+            need = f"one of {', '.join(SECTIONS)}"
+            problems.append(Problem(source, None, section, "an unknown node", need, remedy))
+            continue
+        given[section] = {
+            name: Entry(plain(value), source, coerce=True)
+            for name, value in flatten(values).items()
+            if value is not None
+        }
+    return _scenario(given, source, problems)
+
+
+def _scenario(given: Given, source: str, problems: list[Problem]) -> Scenario:
+    checked = check_values(given, source, problems)
+    check_all(checked)
+    if problems:
+        raise InvalidScenario(sorted(problems, key=_place))
+    plant = PlantParameters(**_typed(PlantParameters, checked, "plant"))
+    sections = merged_sections(checked.given)
+    return Scenario(
+        plant=plant,
+        controller=_controller(checked, plant),
+        governor=GovernorParameters(**_typed(GovernorParameters, checked, "reference_governor")),
+        recorder=RecorderParameters(**_typed(RecorderParameters, checked, "recorder")),
+        launcher=LauncherParameters(**_typed(LauncherParameters, checked, "launcher")),
+        path=source,
+        sections={section: unflatten(values) for section, values in sections.items()},
+        values=checked.values,
+    )
+
+
+def _place(problem: Problem) -> tuple[str, int]:
+    return problem.file, problem.line or 0
+
+
+def _controller(checked: Checked, plant: PlantParameters) -> ControllerParameters:
+    section = "nmpc_controller"
+    fields = _typed(ControllerParameters, checked, section)
+    if checked.get(section, "inertia") == []:
+        fields["inertia"] = plant.inertia
+    fields["time_step"] = fields["time_step"] or plant.time_step
+    zones = tuple(
+        ZoneParameters(name=name, **_typed_fields(ZoneParameters, checked, f"zones.{name}."))
+        for name in fields["zone_names"]
+    )
+    weights = WeightParameters(**_typed_fields(WeightParameters, checked, "weights."))
+    return ControllerParameters(**fields, weights=weights, zones=zones)
+
+
+def _typed_fields(parameters: type, checked: Checked, prefix: str) -> dict[str, Any]:
+    values = checked.values["nmpc_controller"]
+    return {name: typed(spec, values[prefix + name]) for name, spec in specs_of(parameters)}
+
+
+def _typed(parameters: type, checked: Checked, section: str) -> dict[str, Any]:
+    values = checked.values[section]
+    fields = {name: typed(spec, values[name]) for name, spec in specs_of(parameters)}
+    if section != "launcher":
+        fields["plugin"] = checked.plugin(section)
+    return fields
+
+
+def _apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
+    """Lay overrides over what the file gives."""
+    if isinstance(overrides, Mapping):
+        values = flatten(overrides)
+    else:
+        values = {}
+        for text in overrides:
+            values |= _parse_override(text, problems)
+    for key, value in values.items():
+        section, _, name = key.partition(".")
+        if section not in SECTIONS or not name:
+            need = f"NODE.PARAMETER with a node out of {', '.join(SECTIONS)}"
+            remedy = suggestion(section, tuple(SECTIONS))
+            problems.append(Problem("--set", None, key, shown(plain(value)), need, remedy))
+            continue
+        given.setdefault(section, {})[name] = Entry(plain(value), "--set", coerce=True)
+
+
+def _parse_override(text: str, problems: list[Problem]) -> dict[str, Any]:
+    key, equals, value = text.partition("=")
+    key = key.strip()
+    if not equals or not key:
+        remedy = "write for example --set plant.duration=10.0"
+        problems.append(Problem("--set", None, "", shown(text), "NODE.PARAMETER=VALUE", remedy))
+        return {}
+    try:
+        parsed = parse_value(value)
+    except ValueError as error:
+        requirement, _, remedy = str(error).partition("; ")
+        problems.append(Problem("--set", None, key, shown(value), requirement, remedy))
+        return {}
+    if isinstance(parsed, dict):
+        return {f"{key}.{name}": item for name, item in parsed.items()}
+    return {key: parsed}

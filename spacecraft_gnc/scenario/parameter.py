@@ -1,0 +1,188 @@
+"""The vocabulary in which `schema` describes a parameter.
+
+A parameter is a dataclass field whose metadata holds one `ParameterSpec`. Nothing else in the
+package states a type, a unit, a range or a description again: the YAML check, the ROS 2 declaration
+and the table in the documentation are all derived from it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterator, Mapping
+from enum import Enum
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+Value: TypeAlias = bool | int | float | str | list[Any]
+"""A parameter value in its ROS 2 form: a scalar, or a flat list of scalars of one type."""
+
+_METADATA_KEY: Final = "spacecraft_gnc.parameter"
+
+
+class Kind(Enum):
+    """ROS 2 type of a parameter; the names are those of ``rclpy.Parameter.Type``, plus DYNAMIC."""
+
+    BOOL = "BOOL"
+    INTEGER = "INTEGER"
+    DOUBLE = "DOUBLE"
+    STRING = "STRING"
+    BOOL_ARRAY = "BOOL_ARRAY"
+    INTEGER_ARRAY = "INTEGER_ARRAY"
+    DOUBLE_ARRAY = "DOUBLE_ARRAY"
+    STRING_ARRAY = "STRING_ARRAY"
+    DYNAMIC = "DYNAMIC"
+    """A double or a double array: declare with dynamic typing."""
+
+
+class MatrixRule(Enum):
+    """What a 3x3 matrix has to be."""
+
+    NONE = "any"
+    INERTIA = "an inertia matrix"
+    SEMIDEFINITE = "a symmetric positive semi-definite matrix"
+    DEFINITE = "a symmetric positive definite matrix"
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterSpec:
+    """Type, unit, admissible values and description of one parameter."""
+
+    kind: Kind
+    default: Value
+    """Default in its ROS 2 form; the empty list stands for "not given"."""
+    description: str
+    unit: str = ""
+    """SI unit; empty for a pure number or a word."""
+    minimum: float | None = None
+    maximum: float | None = None
+    above: float | None = None
+    """Exclusive lower bound."""
+    below: float | None = None
+    """Exclusive upper bound."""
+    choices: tuple[str, ...] = ()
+    """The only words allowed (for a string array: as elements)."""
+    plugins: str = ""
+    """Registry group that knows the names allowed; empty where none does."""
+    shape: tuple[int, ...] = ()
+    """(): scalar, (3,), (3, 3) given as 9 numbers row-major, (-1,): any length."""
+    may_be_empty: bool = False
+    required: bool = False
+    nonzero: bool = False
+    """A vector of length zero is refused."""
+    unique: bool = False
+    """No element may appear twice."""
+    matrix: MatrixRule = MatrixRule.NONE
+    read_only: bool = True
+    """The value is fixed once the node is configured."""
+
+    @property
+    def length(self) -> int:
+        """Numbers in the flat array; -1 where any number is allowed."""
+        return -1 if -1 in self.shape else int(np.prod(self.shape))
+
+    @property
+    def range_text(self) -> str:
+        """Admissible range in words, such as ``> 0``; empty where there is none."""
+        if self.minimum is not None and self.maximum is not None:
+            return f"{self.minimum:.12g} to {self.maximum:.12g}"
+        bounds = {">": self.above, ">=": self.minimum, "<": self.below, "<=": self.maximum}
+        return " and ".join(f"{sign} {b:.12g}" for sign, b in bounds.items() if b is not None)
+
+    @property
+    def lowest(self) -> float | None:
+        """Smallest number admitted: what a ROS 2 range, which is closed, starts with."""
+        return self.minimum if self.above is None else math.nextafter(self.above, math.inf)
+
+    @property
+    def highest(self) -> float | None:
+        """Largest number admitted."""
+        return self.maximum if self.below is None else math.nextafter(self.below, -math.inf)
+
+    def is_too_low(self, number: float) -> bool:
+        """Tell whether a number lies below the range."""
+        return self.lowest is not None and number < self.lowest
+
+    def is_too_high(self, number: float) -> bool:
+        """Tell whether a number lies above the range."""
+        return self.highest is not None and number > self.highest
+
+    @property
+    def type_text(self) -> str:
+        """Type, size and unit in words, such as ``3 numbers [N m s]``."""
+        text = _TYPE_TEXTS[self.kind]
+        if self.kind is Kind.DOUBLE_ARRAY:
+            text = {(3,): "3 numbers", (3, 3): "9 numbers (3x3, row-major)"}.get(self.shape, text)
+        return f"{text} [{self.unit}]" if self.unit else text
+
+    @property
+    def requirement(self) -> str:
+        """Everything that is required of a value, in words."""
+        parts = [self.type_text]
+        if self.range_text:
+            parts.append(self.range_text)
+        if self.choices:
+            parts.append(f"out of {', '.join(self.choices)}")
+        return ", ".join(parts)
+
+
+_TYPE_TEXTS: Final = {
+    Kind.BOOL: "true or false",
+    Kind.INTEGER: "an integer",
+    Kind.DOUBLE: "a number with a decimal point",
+    Kind.STRING: "a string",
+    Kind.BOOL_ARRAY: "a list of true and false",
+    Kind.INTEGER_ARRAY: "a list of integers",
+    Kind.DOUBLE_ARRAY: "a list of numbers with decimal points",
+    Kind.STRING_ARRAY: "a list of strings",
+    Kind.DYNAMIC: "a number with a decimal point, or 9 of them (3x3, row-major)",
+}
+
+
+def parameter(kind: Kind, default: Value, description: str, **options: Any) -> Any:
+    """Return a dataclass field described by a `ParameterSpec` with these ``options``."""
+    spec = ParameterSpec(kind=kind, default=default, description=description, **options)
+    return dataclasses.field(default_factory=_default_factory(spec), metadata={_METADATA_KEY: spec})
+
+
+def specs_of(section: type) -> Iterator[tuple[str, ParameterSpec]]:
+    """Yield (name, spec) of the parameters that a section class declares itself."""
+    for field in dataclasses.fields(section):
+        if _METADATA_KEY in field.metadata:
+            yield field.name, field.metadata[_METADATA_KEY]
+
+
+def typed(spec: ParameterSpec, value: Value) -> Any:
+    """Return an admissible ROS 2 value as the core wants it.
+
+    Numeric arrays become read-only float64 arrays of the shape of ``spec`` (a scalar weight s
+    becomes s I), string arrays become tuples, a numeric array that is not given becomes all NaN.
+    """
+    if spec.kind is Kind.STRING_ARRAY:
+        return tuple(value) if isinstance(value, list) else (value,)
+    if spec.kind not in (Kind.DOUBLE_ARRAY, Kind.DYNAMIC):
+        return value
+    array = np.array(value, dtype=np.float64)
+    if array.ndim == 0:
+        array = float(array) * np.eye(3)
+    if array.size == 0 and spec.length > 0:
+        array = np.full(spec.length, np.nan)
+    array = array.reshape(spec.shape)
+    array.setflags(write=False)
+    return array
+
+
+def _default_factory(spec: ParameterSpec) -> Callable[[], Any]:
+    return lambda: typed(spec, spec.default)
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class NodeParameters:
+    """What every node has."""
+
+    autostart: bool = parameter(
+        Kind.BOOL, True, "the node configures and activates itself; the launcher passes false"
+    )
+    plugin: Mapping[str, Value] = dataclasses.field(default_factory=dict)
+    """Parameters ``plugin.<name>`` for a vehicle, method or governor of another package."""

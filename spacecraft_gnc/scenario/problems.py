@@ -1,0 +1,89 @@
+"""What is wrong with a scenario: one `Problem` a line, all of them in one exception."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+from spacecraft_gnc.errors import GncError, ScenarioError
+
+_CORE_MESSAGE = re.compile(
+    r"^[^:]+: received (?P<value>.+); required (?P<requirement>.+); (?P<remedy>[^;]+)$", re.DOTALL
+)
+_LONGEST_VALUE = 100  # characters of a value that a line shows
+_LONGEST_LIST = 8  # words that a remedy enumerates
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Problem:
+    """One reason why a scenario is refused, with the way out."""
+
+    file: str
+    """File (or ``--set``) that the value comes from."""
+    line: int | None
+    """Line in the file, counted from 1, where known."""
+    key: str
+    """Dotted name ``node.parameter``; empty where the whole file is meant."""
+    value: str
+    """What was received, in words or as YAML."""
+    requirement: str
+    """What is required instead."""
+    remedy: str
+    """What to do."""
+
+    def __str__(self) -> str:
+        place = self.file if self.line is None else f"{self.file}:{self.line}"
+        subject = f"{place}: {self.key}" if self.key else place
+        return f"{subject}: received {self.value}; required {self.requirement}; {self.remedy}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields as a JSON-able mapping."""
+        return {name: getattr(self, name) for name in self.__slots__}
+
+
+class InvalidScenario(ScenarioError):
+    """A scenario is refused; ``problems`` holds every reason at once."""
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems: tuple[Problem, ...] = tuple(problems)
+        super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+def from_core_error(file: str, line: int | None, key: str, error: GncError) -> Problem:
+    """Place an error of the core (``name: received A; required B; C``) in a scenario file."""
+    match = _CORE_MESSAGE.match(str(error))
+    if match is None:
+        return Problem(file, line, key, str(error), "a value the core accepts", "change it")
+    return Problem(file, line, key, match["value"], match["requirement"], match["remedy"])
+
+
+def shown(value: Any) -> str:
+    """Return ``value`` as YAML on one line, shortened where it is long."""
+    text = _yaml(value)
+    if len(text) <= _LONGEST_VALUE:
+        return text
+    return f"{text[:_LONGEST_VALUE]}... ({len(text)} characters)"
+
+
+def suggestion(name: str, known: Sequence[str]) -> str:
+    """Return a remedy that names the known word nearest to ``name``."""
+    nearest = get_close_matches(name, known, n=1, cutoff=0.5)
+    if nearest:
+        return f"did you mean {nearest[0]!r}?"
+    listed = 0 < len(known) <= _LONGEST_LIST
+    return f"use one of {', '.join(known)}" if listed else "remove it"
+
+
+def _yaml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return repr(value)
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_yaml(item) for item in value) + "]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key}: {_yaml(item)}" for key, item in value.items()) + "}"
+    return str(value)

@@ -1,0 +1,115 @@
+"""Vehicles, methods and governors by name.
+
+Another package adds its own by an entry point in one of the groups ``spacecraft_gnc.plants``,
+``spacecraft_gnc.controllers`` and ``spacecraft_gnc.governors``. The entry point names a class with
+a class method ``from_scenario(scenario)`` that returns the core (a `Plant`, `Controller` or
+`Governor` of `loop.protocols`). Its own parameters stand in the scenario as ``plugin.<name>``.
+
+The built-in ones are listed here too, so that a plain source tree works, and win over an entry
+point of the same name.
+"""
+
+from __future__ import annotations
+
+import importlib
+from importlib import metadata
+from typing import Any, Final, NamedTuple
+
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
+
+
+class BuiltIn(NamedTuple):
+    """A class of this package, imported when it is first needed."""
+
+    target: str
+    """``module:class``"""
+    variants: tuple[str, ...] = ()
+    """Words that ``variant`` may be; empty where the method has no variants."""
+
+
+BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
+    "plants": {"rigid_body": BuiltIn("spacecraft_gnc.loop.plants:RigidBodyPlant")},
+    "controllers": {
+        "shooting": BuiltIn("spacecraft_gnc.loop.controllers:ShootingController", ("exact",)),
+    },
+    "governors": {"none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor")},
+}
+KEYS: Final = {
+    "plants": "plant.vehicle",
+    "controllers": "nmpc_controller.method",
+    "governors": "reference_governor.governor",
+}
+
+
+def names(group: str) -> tuple[str, ...]:
+    """Return the names known in ``plants``, ``controllers`` or ``governors``."""
+    plugins = (entry.name for entry in metadata.entry_points(group=f"spacecraft_gnc.{group}"))
+    return tuple(dict.fromkeys([*BUILT_IN[group], *sorted(plugins)]))
+
+
+def is_known(group: str, name: str) -> bool:
+    """Tell whether ``name`` is known, without importing anything behind it."""
+    return name in BUILT_IN[group] or name in names(group)
+
+
+def create(group: str, name: str, scenario: Any) -> Any:
+    """Return the core called ``name``, built from ``scenario``.
+
+    Raises
+    ------
+    InvalidScenario
+        If the name is unknown, or the plug-in behind it is broken.
+    GncError
+        If the core refuses the scenario.
+    """
+    problem = _Problems(scenario.path, group, name)
+    target, factory = _load(group, name, problem)
+    build = getattr(factory, "from_scenario", None)
+    if build is None:
+        raise problem.broken(target, "no class method from_scenario(scenario)")
+    try:
+        return build(scenario)
+    except GncError:
+        raise
+    except Exception as error:
+        if name in BUILT_IN[group]:  # a defect of ours: keep the traceback
+            raise
+        raise problem.broken(target, f"{type(error).__name__}: {error}") from error
+
+
+class _Problems(NamedTuple):
+    """What can be wrong with one name."""
+
+    file: str
+    group: str
+    name: str
+
+    def unknown(self) -> InvalidScenario:
+        known = names(self.group)
+        need = f"one of {', '.join(known)}"
+        return self._invalid(shown(self.name), need, suggestion(self.name, known))
+
+    def broken(self, target: str, reason: str) -> InvalidScenario:
+        reason = " ".join(reason.split())  # one line, whatever the plug-in raised
+        received = f"{shown(self.name)}, a plug-in ({target}) that fails with {reason}"
+        need = "a class that can be imported and built"
+        return self._invalid(received, need, "mend or reinstall its package")
+
+    def _invalid(self, received: str, requirement: str, remedy: str) -> InvalidScenario:
+        key = KEYS[self.group]
+        return InvalidScenario([Problem(self.file, None, key, received, requirement, remedy)])
+
+
+def _load(group: str, name: str, problem: _Problems) -> tuple[str, Any]:
+    if name in BUILT_IN[group]:
+        target = BUILT_IN[group][name].target
+        module, _, attribute = target.partition(":")
+        return target, getattr(importlib.import_module(module), attribute)
+    for entry in metadata.entry_points(group=f"spacecraft_gnc.{group}"):
+        if entry.name == name:
+            try:
+                return entry.value, entry.load()
+            except Exception as error:  # a plug-in's import may raise anything
+                raise problem.broken(entry.value, f"{type(error).__name__}: {error}") from error
+    raise problem.unknown()

@@ -1,0 +1,214 @@
+"""Every parameter of every node, declared once: type, default, unit, range, description.
+
+The defaults are the spacecraft and the controller of Gupta et al. (2015), Case I, except for the
+inertia, which has none. Angles are in radians unless the name ends in ``_deg``; matrices are
+row-major; vectors are in the body frame unless the name says otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, NodeParameters, parameter
+from spacecraft_gnc.scenario.schema_controller import (
+    ControllerParameters,
+    WeightParameters,
+    ZoneParameters,
+)
+from spacecraft_gnc.types import Matrix3, Vector3
+
+__all__ = [
+    "NODE_NAMES",
+    "SECTIONS",
+    "ControllerParameters",
+    "GovernorParameters",
+    "LauncherParameters",
+    "PlantParameters",
+    "RecorderParameters",
+    "WeightParameters",
+    "ZoneParameters",
+]
+
+NODE_NAMES: Final = ("plant", "nmpc_controller", "reference_governor", "recorder")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class PlantParameters(NodeParameters):
+    """Section ``plant``: the simulated vehicle and the pace of the simulation."""
+
+    vehicle: str = parameter(
+        Kind.STRING, "rigid_body", "vehicle that is simulated", plugins="plants"
+    )
+    inertia: Matrix3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "inertia matrix, body frame",
+        unit="kg m^2",
+        shape=(3, 3),
+        matrix=MatrixRule.INERTIA,
+        required=True,
+        may_be_empty=True,
+    )
+    time_step: float = parameter(Kind.DOUBLE, 0.4, "step of the integrator", unit="s", above=0.0)
+    duration: float = parameter(
+        Kind.DOUBLE,
+        150.0,
+        "simulated time; a last fraction of a control period is not flown",
+        unit="s",
+        above=0.0,
+    )
+    initial_rotation_vector: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [0.0, 0.0, 0.0],
+        "initial attitude R_0 = exp(hat(.)), body to inertial",
+        unit="rad",
+        shape=(3,),
+    )
+    initial_momentum: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [0.0, 0.0, 0.0],
+        "initial angular momentum, body frame",
+        unit="N m s",
+        shape=(3,),
+    )
+    mode: str = parameter(
+        Kind.STRING,
+        "lockstep",
+        "lockstep: the plant waits for each torque, so nothing depends on machine speed; "
+        "free_run: it steps on wall time",
+        choices=("lockstep", "free_run"),
+    )
+    real_time_factor: float = parameter(
+        Kind.DOUBLE,
+        1.0,
+        "simulated seconds per wall second (free_run only)",
+        above=0.0,
+    )
+    command_timeout: float = parameter(
+        Kind.DOUBLE,
+        5.0,
+        "wall time that the plant waits for a torque before it falls back (lockstep only)",
+        unit="s",
+        above=0.0,
+    )
+    max_held_steps: int = parameter(
+        Kind.INTEGER,
+        5,
+        "consecutive steps for which the last torque is held when a command is late; "
+        "zero torque after that (free_run only)",
+        minimum=0,
+    )
+    peers: tuple[str, ...] = parameter(
+        Kind.STRING_ARRAY,
+        ["nmpc_controller", "reference_governor", "recorder"],
+        "nodes to wait for before step 0; the launcher sets it to the nodes it started",
+        shape=(-1,),
+        may_be_empty=True,
+        unique=True,
+    )
+    pose_every: int = parameter(
+        Kind.INTEGER, 1, "publish a PoseStamped every n-th control step; 0: never", minimum=0
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class GovernorParameters(NodeParameters):
+    """Section ``reference_governor``: the target, and how the reference gets there."""
+
+    governor: str = parameter(
+        Kind.STRING,
+        "none",
+        "law that shapes the reference; none: the target is the reference",
+        plugins="governors",
+    )
+    target_rotation_vector: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [0.0, 0.0, 0.0],
+        "target attitude exp(hat(.)), body to inertial",
+        unit="rad",
+        shape=(3,),
+    )
+    slew_tolerance_deg: float = parameter(
+        Kind.DOUBLE,
+        0.1,
+        "attitude error under which a slew has arrived",
+        unit="deg",
+        above=0.0,
+        maximum=180.0,
+    )
+    slew_rate_tolerance: float = parameter(
+        Kind.DOUBLE,
+        1.0e-3,
+        "body rate under which a slew has arrived",
+        unit="rad/s",
+        above=0.0,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RecorderParameters(NodeParameters):
+    """Section ``recorder``: what goes into the bag, and how."""
+
+    topics: tuple[str, ...] = parameter(
+        Kind.STRING_ARRAY,
+        [],
+        "topics to record; empty: all of the graph",
+        shape=(-1,),
+        may_be_empty=True,
+        unique=True,
+    )
+    storage_folder: str = parameter(
+        Kind.STRING,
+        "",
+        "folder of the bag; empty: the launcher chooses it, a node alone uses ./bags/<time stamp>",
+    )
+    compression: str = parameter(
+        Kind.STRING, "none", "compression of the chunks", choices=("none", "zstd")
+    )
+    chunk_size: int = parameter(
+        Kind.INTEGER,
+        262144,
+        "size at which a chunk is closed",
+        unit="bytes",
+        minimum=1024,
+        maximum=1 << 30,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LauncherParameters:
+    """Section ``launcher``: what ``gnc launch`` starts (it is no node)."""
+
+    nodes: tuple[str, ...] = parameter(
+        Kind.STRING_ARRAY,
+        list(NODE_NAMES),
+        "nodes to start",
+        shape=(-1,),
+        unique=True,
+        choices=NODE_NAMES,
+    )
+    on_node_death: str = parameter(
+        Kind.STRING,
+        "stop",
+        "what a dead node leads to: the run ends, or the node is restarted",
+        choices=("stop", "restart"),
+    )
+    domain_id: int = parameter(
+        Kind.INTEGER,
+        -1,
+        "ROS_DOMAIN_ID; -1: a free one. On Linux 0 to 101 keeps clear of the ephemeral ports",
+        minimum=-1,
+        maximum=232,
+    )
+    composed: bool = parameter(Kind.BOOL, False, "run all nodes in one process")
+
+
+SECTIONS: Final[Mapping[str, type]] = {
+    "plant": PlantParameters,
+    "nmpc_controller": ControllerParameters,
+    "reference_governor": GovernorParameters,
+    "recorder": RecorderParameters,
+    "launcher": LauncherParameters,
+}

@@ -1,0 +1,167 @@
+"""The parameters of ``nmpc_controller``: torque law, cost, limits and pointing zones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, NodeParameters, parameter
+from spacecraft_gnc.types import Matrix3, Vector3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WeightParameters:
+    """Weights of the cost; (3, 3) each, a scalar s in the file stands for s I."""
+
+    stage_attitude: Matrix3 = parameter(
+        Kind.DYNAMIC,
+        0.01,
+        "stage weight on the attitude error",
+        shape=(3, 3),
+        matrix=MatrixRule.SEMIDEFINITE,
+        minimum=0.0,
+    )
+    stage_momentum: Matrix3 = parameter(
+        Kind.DYNAMIC,
+        0.01,
+        "stage weight on the angular momentum",
+        unit="(N m s)^-2",
+        shape=(3, 3),
+        matrix=MatrixRule.SEMIDEFINITE,
+        minimum=0.0,
+    )
+    stage_torque: Matrix3 = parameter(
+        Kind.DYNAMIC,
+        1.0,
+        "stage weight on the torque",
+        unit="(N m)^-2",
+        shape=(3, 3),
+        matrix=MatrixRule.DEFINITE,
+        above=0.0,
+    )
+    terminal_attitude: Matrix3 = parameter(
+        Kind.DYNAMIC,
+        0.01,
+        "terminal weight on the attitude error",
+        shape=(3, 3),
+        matrix=MatrixRule.SEMIDEFINITE,
+        minimum=0.0,
+    )
+    terminal_momentum: Matrix3 = parameter(
+        Kind.DYNAMIC,
+        0.01,
+        "terminal weight on the angular momentum",
+        unit="(N m s)^-2",
+        shape=(3, 3),
+        matrix=MatrixRule.SEMIDEFINITE,
+        minimum=0.0,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ZoneParameters:
+    """One pointing zone: a cone that a body axis must stay out of, or inside."""
+
+    name: str
+    kind: str = parameter(
+        Kind.STRING,
+        "exclusion",
+        "exclusion: stay out of the cone; inclusion: stay inside",
+        choices=("exclusion", "inclusion"),
+    )
+    body_axis: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "axis of the instrument, body frame (normalised)",
+        shape=(3,),
+        nonzero=True,
+        required=True,
+        may_be_empty=True,
+    )
+    inertial_axis: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "axis of the cone, inertial frame (normalised)",
+        shape=(3,),
+        nonzero=True,
+        required=True,
+        may_be_empty=True,
+    )
+    half_angle_deg: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "half-angle of the cone",
+        unit="deg",
+        above=0.0,
+        below=180.0,
+        required=True,
+    )
+    penalty: float = parameter(
+        Kind.DOUBLE,
+        1000.0,
+        "weight of the soft constraint in the cost",
+        above=0.0,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ControllerParameters(NodeParameters):
+    """Section ``nmpc_controller``: the torque law and its optimal control problem."""
+
+    method: str = parameter(
+        Kind.STRING, "shooting", "method that finds the torque", plugins="controllers"
+    )
+    variant: str = parameter(Kind.STRING, "exact", "variant of the method")
+    time_step: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "control period and prediction step, a multiple of plant.time_step; 0: plant.time_step",
+        unit="s",
+        minimum=0.0,
+    )
+    inertia: Matrix3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "inertia matrix that the controller believes; empty: the plant's",
+        unit="kg m^2",
+        shape=(3, 3),
+        matrix=MatrixRule.INERTIA,
+        may_be_empty=True,
+    )
+    horizon: int = parameter(Kind.INTEGER, 5, "prediction horizon", unit="steps", minimum=1)
+    max_torque: float = parameter(
+        Kind.DOUBLE, 0.01, "largest norm of the torque; 0: no limit", unit="N m", minimum=0.0
+    )
+    torque_penalty: float = parameter(
+        Kind.DOUBLE,
+        1.0e10,
+        "weight of the torque limit in the cost",
+        unit="(N m)^-4",
+        above=0.0,
+    )
+    zone_names: tuple[str, ...] = parameter(
+        Kind.STRING_ARRAY,
+        [],
+        "names of the pointing zones, each defined under zones",
+        shape=(-1,),
+        may_be_empty=True,
+        unique=True,
+    )
+    residual_tolerance: float = parameter(
+        Kind.DOUBLE,
+        1.0e-10,
+        "largest residual of the optimality conditions that counts as solved",
+        above=0.0,
+    )
+    max_iterations: int = parameter(
+        Kind.INTEGER, 50, "iterations after which a solve gives up", minimum=1
+    )
+    wall_time_budget: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "wall time after which a solve gives up; 0: no limit",
+        unit="s",
+        minimum=0.0,
+    )
+    weights: WeightParameters = field(default_factory=WeightParameters)
+    zones: tuple[ZoneParameters, ...] = ()
+    """In the order of ``zone_names``."""

@@ -1,0 +1,194 @@
+"""One value against its `ParameterSpec`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, ParameterSpec, Value
+from spacecraft_gnc.scenario.problems import shown, suggestion
+from spacecraft_gnc.scenario.yaml_scalar import emit, parse_plain
+from spacecraft_gnc.types import as_inertia, as_semidefinite
+
+_ELEMENT: Final = {
+    Kind.BOOL_ARRAY: Kind.BOOL,
+    Kind.INTEGER_ARRAY: Kind.INTEGER,
+    Kind.DOUBLE_ARRAY: Kind.DOUBLE,
+    Kind.STRING_ARRAY: Kind.STRING,
+}
+_TYPES: Final = {Kind.BOOL: bool, Kind.INTEGER: int, Kind.DOUBLE: float, Kind.STRING: str}
+_TYPE_NAMES: Final = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
+
+
+class Refusal(ValueError):
+    """A value that its spec does not admit."""
+
+    def __init__(self, received: str, requirement: str, remedy: str) -> None:
+        super().__init__(received, requirement, remedy)
+        self.received = received
+        self.requirement = requirement
+        self.remedy = remedy
+
+
+def plain(value: Any) -> Any:
+    """Return tuples, NumPy arrays and ``array.array`` as lists, NumPy scalars as Python's."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    if isinstance(value, list | tuple) or hasattr(value, "tolist"):
+        return [plain(item) for item in value]
+    return value
+
+
+def admissible(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
+    """Return ``value`` in the ROS 2 type of ``spec``.
+
+    Parameters
+    ----------
+    spec : ParameterSpec
+        What is admitted.
+    value : Value
+        As read from YAML, or from ROS 2.
+    coerce : bool
+        Whether an integer may stand for a double.
+
+    Raises
+    ------
+    Refusal
+        If the type, the size or the value is not admitted.
+    """
+    typed = _of_type(spec, value, coerce)
+    items = typed if isinstance(typed, list) else [typed]
+    _check_finite(spec, value, items)
+    _check_size(spec, typed)
+    _check_words(spec, items)
+    if not isinstance(typed, list) or spec.matrix is MatrixRule.NONE:
+        _check_range(spec, items)
+    if isinstance(typed, list) and typed:
+        _check_vector(spec, typed)
+    return typed
+
+
+def _of_type(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
+    kind = spec.kind
+    if kind is Kind.DYNAMIC:
+        kind = Kind.DOUBLE_ARRAY if isinstance(value, list) else Kind.DOUBLE
+    if kind in _ELEMENT:
+        if not isinstance(value, list):
+            remedy = f"write [{emit(value)}]" if spec.length == -1 else "write a list"
+            raise Refusal(_received(value), spec.requirement, remedy)
+        items = [_element(_ELEMENT[kind], item, coerce) for item in value]
+    elif isinstance(value, list):
+        raise Refusal(_received(value), spec.requirement, "write one value")
+    else:
+        items = [_element(kind, value, coerce)]
+    if any(item is None for item in items):
+        raise Refusal(_received(value), spec.requirement, _type_remedy(spec, kind, value))
+    return items if kind in _ELEMENT else items[0]
+
+
+def _element(kind: Kind, value: Any, coerce: bool) -> Any:
+    """Return a scalar of the type of ``kind``; None where it is of another type."""
+    if coerce and kind is Kind.DOUBLE and type(value) is int:
+        return float(value)
+    return value if type(value) is _TYPES[kind] else None
+
+
+def _type_remedy(spec: ParameterSpec, kind: Kind, value: Value) -> str:
+    """Return what to write instead: the same value in the right type where there is one."""
+    scalar = _ELEMENT.get(kind, kind)
+    items = value if isinstance(value, list) else [value]
+    fixed = [_in_type(scalar, item) for item in items]
+    if any(item is None for item in fixed):
+        return f"write {spec.type_text}, without quotes"
+    if scalar in (Kind.INTEGER, Kind.DOUBLE) and any(
+        spec.is_too_low(item) or spec.is_too_high(item) for item in fixed
+    ):
+        return f"write {spec.requirement}"
+    return f"write {emit(fixed if isinstance(value, list) else fixed[0])}"
+
+
+def _in_type(kind: Kind, value: Any) -> Any:
+    """Return ``value`` as a scalar of ``kind`` if it reads as one, else None."""
+    if kind is Kind.STRING:
+        return value if isinstance(value, str) else emit(value)
+    number = parse_plain(value) if isinstance(value, str) else value
+    if kind is Kind.DOUBLE and type(number) in (int, float):
+        return float(number)
+    if kind is Kind.INTEGER and type(number) in (int, float) and float(number).is_integer():
+        return int(number)
+    return number if kind is Kind.BOOL and type(number) is bool else None
+
+
+def _check_finite(spec: ParameterSpec, value: Value, items: list[Any]) -> None:
+    if any(isinstance(item, float) and not math.isfinite(item) for item in items):
+        requirement = f"{spec.requirement}, finite"
+        raise Refusal(shown(value), requirement, "replace NaN and infinity")
+
+
+def _check_size(spec: ParameterSpec, value: Value) -> None:
+    if not isinstance(value, list) or (spec.may_be_empty and not value):
+        return
+    if spec.length not in (-1, len(value)):
+        raise Refusal(
+            f"{len(value)} numbers: {shown(value)}",
+            spec.requirement,
+            f"write exactly {spec.length}",
+        )
+    if not value:
+        raise Refusal("[]", f"{spec.requirement}, at least one", "add one")
+
+
+def _check_words(spec: ParameterSpec, items: list[Any]) -> None:
+    if not spec.choices and not spec.unique:
+        return
+    for index, item in enumerate(items):
+        if spec.choices and item not in spec.choices:
+            requirement = f"one of {', '.join(spec.choices)}"
+            raise Refusal(shown(item), requirement, suggestion(item, spec.choices))
+        if spec.unique and item in items[:index]:
+            raise Refusal(shown(items), "each element once", f"remove the second {item!r}")
+
+
+def _check_range(spec: ParameterSpec, items: list[Any]) -> None:
+    for item in items:
+        if spec.is_too_low(item) or spec.is_too_high(item):
+            remedy = "raise it" if spec.is_too_low(item) else "lower it"
+            raise Refusal(shown(item), spec.requirement, f"{remedy} ({spec.range_text})")
+
+
+def _check_vector(spec: ParameterSpec, value: list[Any]) -> None:
+    if spec.nonzero and math.sqrt(sum(item * item for item in value)) < 1e-12:
+        raise Refusal(
+            shown(value), "a direction of non-zero length", "give the axis, such as [1.0, 0.0, 0.0]"
+        )
+    if spec.matrix is MatrixRule.NONE:
+        return
+    check = as_inertia if spec.matrix is MatrixRule.INERTIA else as_semidefinite
+    try:
+        matrix = check("value", value)
+    except GncError as error:
+        raise _from_core(value, error) from None
+    if spec.matrix is MatrixRule.DEFINITE:
+        smallest = float(np.linalg.eigvalsh(matrix)[0])
+        if smallest <= 0.0:
+            received = f"{shown(value)} (smallest eigenvalue {smallest:.6g})"
+            remedy = "make every eigenvalue positive"
+            raise Refusal(received, spec.matrix.value, remedy)
+
+
+def _from_core(value: Value, error: GncError) -> Refusal:
+    """Translate ``name: received A; required B; C`` of the core's own checks."""
+    received, _, rest = str(error).partition(": received ")[2].partition("; required ")
+    requirement, _, remedy = rest.rpartition("; ")
+    if not requirement:
+        return Refusal(shown(value), str(error), "change it")
+    return Refusal(f"{shown(value)} ({received})", requirement, remedy)
+
+
+def _received(value: Value) -> str:
+    if isinstance(value, list):
+        return shown(value)
+    return f"{shown(value)} ({_TYPE_NAMES.get(type(value), 'no value')})"

@@ -1,0 +1,160 @@
+"""Metrics against the reference flight of Case I, and against flights worked out by hand."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from analysis.flights import PERIOD, at_rest, case1, scenario, trajectory, zone
+from hypothesis import given
+from hypothesis import strategies as st
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.analysis.metrics import settle_time, summarize
+
+
+def about_z(degrees):
+    return lie.exp(np.array([0.0, 0.0, np.radians(degrees)]))
+
+
+def test_case_1_of_gupta_2015():
+    metrics = summarize(case1(), scenario())
+    assert metrics["steps"] == 375
+    assert metrics["duration"] == pytest.approx(150.0)
+    assert metrics["final_error_deg"] == pytest.approx(0.21364, abs=1e-5)
+    assert metrics["final_momentum"] == pytest.approx(4.14e-4, abs=5e-7)
+    assert metrics["settle_time_5deg"] == pytest.approx(55.2)
+    assert metrics["settle_time_1deg"] == pytest.approx(105.2)
+    assert metrics["settle_time_0.1deg"] is None
+    assert metrics["max_torque"] == pytest.approx(0.01, abs=1e-8)
+    assert metrics["torque_limit"] == 0.01
+    assert metrics["saturated_steps"] == 32
+    assert metrics["cost"] == pytest.approx(0.0550925764, abs=1e-10)
+
+
+def test_metrics_are_json():
+    metrics = summarize(case1(), scenario({"star": zone([0.9276, 0.3736, 0.0], 4.9965)}))
+    assert json.loads(json.dumps(metrics, allow_nan=False)) == metrics
+
+
+def test_without_a_scenario_what_needs_it_is_none():
+    metrics = summarize(case1())
+    unknown = ("cost", "torque_limit", "saturated_steps", "min_zone_margin_deg")
+    assert [metrics[name] for name in unknown] == [None] * 4
+    assert metrics["zone_margin_deg"] == {}
+
+
+def test_without_a_torque_limit_no_step_is_saturated():
+    metrics = summarize(case1(), scenario(max_torque=0.0))
+    assert metrics["torque_limit"] is None
+    assert metrics["saturated_steps"] is None
+    assert metrics["cost"] is not None
+
+
+def test_the_error_is_taken_from_the_reference_not_from_the_identity():
+    reference = np.tile(about_z(30.0), (20, 1, 1))
+    flight = at_rest(reference=reference, final_reference=reference[0])
+    metrics = summarize(flight, scenario())
+    assert metrics["final_error_deg"] == pytest.approx(30.0)
+    # 20 steps of h/2 * 0.01 |I - R_ref|_F^2, and |I - R|_F^2 = 4 (1 - cos 30 deg)
+    per_step = 0.5 * PERIOD * 0.01 * 4.0 * (1.0 - np.cos(np.radians(30.0)))
+    assert metrics["cost"] == pytest.approx(20 * per_step)
+
+
+def test_full_weight_matrices_act_on_their_axes():
+    weights = scenario(weights={"stage_momentum": [1.0, 0, 0, 0, 2.0, 0, 0, 0, 3.0]})
+    momentum = np.zeros((2, 3))
+    momentum[0] = [0.0, 0.0, 1.0]
+    flight = trajectory(np.tile(np.eye(3), (2, 1, 1)), momentum, np.zeros((1, 3)))
+    # hat(e_z) has entries in its first two rows: |W^(1/2) hat(e_z)|_F^2 = 1 + 2
+    (cost,) = series.stage_costs(flight, weights.controller.weights)
+    assert cost == pytest.approx(0.5 * PERIOD * 3.0)
+
+
+@pytest.mark.parametrize(("kind", "margin"), [("exclusion", 15.0), ("inclusion", -25.0)])
+def test_zone_margins_are_signed_angles(kind, margin):
+    attitude = np.array([about_z(0.0), about_z(25.0), about_z(-5.0)])
+    flight = trajectory(attitude, np.zeros((3, 3)), np.zeros((2, 3)))
+    metrics = summarize(flight, scenario({"a": zone([0.0, 1.0, 0.0], 50.0, kind)}))
+    # the x axis comes within 65 deg of y, and is 95 deg away at the most
+    expected = {"exclusion": 65.0 - 50.0, "inclusion": 50.0 - 95.0}[kind]
+    assert metrics["zone_margin_deg"] == {"a": pytest.approx(expected)}
+    assert metrics["min_zone_margin_deg"] == pytest.approx(expected)
+
+
+def test_the_least_margin_of_several_zones_counts():
+    zones = {"near": zone([1.0, 0.1, 0.0], 2.0), "far": zone([0.0, 0.0, 1.0], 2.0)}
+    metrics = summarize(at_rest(), scenario(zones))
+    assert metrics["min_zone_margin_deg"] == metrics["zone_margin_deg"]["near"]
+
+
+def test_solver_metrics_leave_out_steps_without_a_solve():
+    n = 4
+    flight = at_rest(
+        n,
+        iterations=np.array([2, 9, 4, 0]),
+        status=np.array([0, 1, 0, -1]),
+        source=np.array([0, 2, 1, 4]),
+        solve_time=np.array([1e-3, 5e-3, 3e-3, np.nan]),
+    )
+    metrics = summarize(flight)
+    assert (metrics["iterations_median"], metrics["iterations_max"]) == (4.0, 9)
+    assert metrics["unconverged_steps"] == 1
+    assert (metrics["solve_time_median"], metrics["solve_time_max"]) == (3e-3, 5e-3)
+    assert metrics["sources"] == {
+        "OPTIMAL": 1,
+        "NEIGHBORING_EXTREMAL": 1,
+        "SHIFTED_PLAN": 1,
+        "ZERO": 1,
+    }
+    assert metrics["fallback_steps"] == 2
+
+
+def test_a_flight_without_a_solver_has_no_solver_metrics():
+    nothing = np.full(20, np.nan)
+    metrics = summarize(at_rest(status=np.full(20, -1), solve_time=nothing))
+    names = ("iterations_median", "iterations_max", "solve_time_median", "solve_time_p99")
+    assert [metrics[name] for name in names] == [None] * 4
+
+
+def test_lost_steps_are_counted_and_passed_over():
+    flight = case1()
+    torque, attitude = flight.torque.copy(), flight.attitude.copy()
+    torque[100], attitude[40] = np.nan, np.nan
+    source = flight.source.copy()
+    source[100] = -1
+    lossy = replace(flight, attitude=attitude, torque=torque, source=source)
+    metrics = summarize(lossy, scenario())
+    assert metrics["missing_steps"] == 2
+    assert metrics["settle_time_5deg"] == pytest.approx(55.2)
+    assert metrics["max_torque"] == pytest.approx(0.01, abs=1e-8)
+    assert metrics["cost"] == pytest.approx(0.0550925764, rel=0.1)
+    assert metrics["sources"] == {"OPTIMAL": 374}
+    json.dumps(metrics, allow_nan=False)
+
+
+def test_settle_time_by_hand():
+    times = np.arange(6.0)
+    error = np.array([9.0, 4.0, 6.0, 5.0, 1.0, 2.0])
+    assert settle_time(times, error, 10.0) == 0.0
+    assert settle_time(times, error, 5.0) == 4.0  # an error equal to the threshold is not below
+    assert settle_time(times, error, 2.0) is None
+
+
+@given(
+    error=st.lists(st.floats(0.0, 10.0) | st.just(float("nan")), min_size=1, max_size=30),
+    threshold=st.floats(0.1, 9.0),
+)
+def test_settle_time_is_the_first_time_after_which_all_is_below(error, threshold):
+    times, values = np.arange(float(len(error))), np.array(error)
+    settled = settle_time(times, values, threshold)
+    known = ~np.isnan(values)
+    if settled is None:
+        assert not known.any() or values[known][-1] >= threshold
+        return
+    assert (values[known & (times >= settled)] < threshold).all()
+    before = values[known & (times < settled)]
+    assert before.size == 0 or before[-1] >= threshold

@@ -1,0 +1,190 @@
+"""``gnc simulate``, ``gnc check`` and ``gnc warmup`` on good input."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from spacecraft_gnc.cli import simulate as module
+from spacecraft_gnc.cli._common import json_able
+from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.loop import ClosedLoop, Trajectory
+from spacecraft_gnc.scenario import load
+
+CASE_1 = str(Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml")
+SHORT = ("--set", "plant.duration=4")
+
+
+def run(capsys: pytest.CaptureFixture[str], *argv: str) -> tuple[int, str, str]:
+    with pytest.raises(SystemExit) as end:
+        main(argv)
+    captured = capsys.readouterr()
+    return int(end.value.code or 0), captured.out, captured.err
+
+
+def test_check_says_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "check", CASE_1)
+    assert (code, err) == (0, "")
+    assert "375 control steps of 0.4 s" in out
+    assert "42.97 deg from the target" in out
+    assert "horizon 5 steps" in out
+    assert "0.01 N m" in out
+
+
+def test_check_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "check", CASE_1, "--json", *SHORT)
+    result = json.loads(out)
+    assert (code, err, result["ok"], result["problems"]) == (0, "", True, [])
+    assert (result["steps"], result["horizon"], result["max_torque"]) == (10, 5, 0.01)
+    assert result["initial_error_deg"] == pytest.approx(math.degrees(0.75), rel=1e-12)
+
+
+def test_check_quietly(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "check", CASE_1, "--quiet") == (0, "", "")
+
+
+def test_case_1_has_the_figures_of_the_paper_notes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out_file = tmp_path / "case1.npz"
+    code, out, err = run(capsys, "simulate", CASE_1, "--json", "--out", str(out_file))
+    assert (code, err) == (0, "")
+    result = json.loads(out)
+    assert result["final_error_deg"] == pytest.approx(0.21364, abs=1e-4)
+    assert result["max_torque"] == pytest.approx(0.01, abs=1e-8)
+    assert result["settle_time_5deg"] == pytest.approx(55.2, abs=0.2)
+    assert result["settle_time_1deg"] == pytest.approx(105.2, abs=0.2)
+    assert result["settle_time_0.1deg"] is None
+    assert result["cost"] == pytest.approx(0.0550925764, abs=1e-9)
+    assert (result["saturated_steps"], result["iterations_max"]) == (32, 3)
+    trajectory = Trajectory.load(out_file)
+    again = load(CASE_1).build().run()
+    np.testing.assert_array_equal(trajectory.torque, again.torque)
+    assert [path.name for path in tmp_path.iterdir()] == ["case1.npz"]
+
+
+def test_the_file_holds_the_arrays_that_the_design_names(tmp_path: Path) -> None:
+    out_file = tmp_path / "a.npz"
+    with pytest.raises(SystemExit, match="0"):
+        main(["simulate", CASE_1, *SHORT, "--quiet", "--out", str(out_file)])
+    with np.load(out_file) as arrays:
+        shapes = {name: arrays[name].shape for name in arrays.files}
+    assert shapes["time"] == shapes["iterations"] == shapes["status"] == (10,)
+    assert shapes["source"] == shapes["residual"] == shapes["solve_time"] == (10,)
+    assert shapes["attitude"] == shapes["reference"] == (10, 3, 3)
+    assert shapes["momentum"] == shapes["torque"] == (10, 3)
+
+
+def test_summary_for_people(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "simulate", CASE_1, *SHORT)
+    assert (code, err) == (0, "")
+    assert "10 of 0.4 s" in out
+    assert "limit 0.01 N m" in out
+    assert "zone margin" not in out  # no zone, no row
+    assert "\x1b" not in out
+
+
+def test_quietly(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(capsys, "simulate", CASE_1, *SHORT, "-q") == (0, "", "")
+
+
+def refused(capsys: pytest.CaptureFixture[str], out: Path) -> str:
+    code, stdout, err = run(capsys, "simulate", CASE_1, *SHORT, "--out", str(out))
+    assert (code, stdout) == (2, "")
+    assert len(err.splitlines()) == 1
+    assert err.startswith(f"error: --out: received {str(out)!r}, ")
+    assert "; required a .npz file in a writable folder; " in err
+    return err
+
+
+def test_output_in_a_folder_that_is_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    err = refused(capsys, tmp_path / "none" / "a.npz")
+    assert err.endswith(f"create it: mkdir -p {tmp_path / 'none'}\n")
+
+
+def test_output_that_is_a_directory(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.npz").mkdir()
+    assert "name a file in it" in refused(capsys, tmp_path / "a.npz")
+
+
+def test_output_of_another_kind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert "name it a.npz" in refused(capsys, tmp_path / "a.csv")
+
+
+def test_output_in_a_read_only_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    may_write = os.access  # root may write anywhere
+    monkeypatch.setattr(os, "access", lambda path, mode: mode == os.R_OK and may_write(path, mode))
+    assert "choose another folder" in refused(capsys, tmp_path / "a.npz")
+
+
+def test_a_full_disk_leaves_nothing_behind(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_args: object, **_kwargs: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez", fail)
+    monkeypatch.setattr(np, "savez_compressed", fail)
+    code, out, err = run(
+        capsys, "simulate", CASE_1, *SHORT, "--json", "--out", str(tmp_path / "a.npz")
+    )
+    assert (code, out) == (2, "")
+    assert "No space left on device" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (ParameterError("momentum: received 9; required less; slow down"), "required less"),
+        (MemoryError(), "fits into memory; shorten it"),
+    ],
+)
+def test_a_flight_that_fails_ends_with_1(
+    error: Exception,
+    text: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(_self: ClosedLoop, _progress: object) -> None:
+        raise error
+
+    monkeypatch.setattr(ClosedLoop, "run", fail)
+    code, out, err = run(capsys, "simulate", CASE_1, *SHORT)
+    assert (code, out) == (1, "")
+    assert err.startswith("error: ")
+    assert text in err
+    assert len(err.splitlines()) == 1
+
+
+def test_progress_appears_when_it_lasts(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "is_interactive", lambda: True)
+    monkeypatch.setattr(module, "_PATIENCE", -1.0)
+    monkeypatch.setattr(module, "_REFRESH", 0.0)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    code, out, _ = run(capsys, "simulate", CASE_1, *SHORT)
+    assert code == 0
+    assert "flying" in out
+
+
+def test_warmup(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "warmup", CASE_1)
+    assert (code, err) == (0, "")
+    assert out.startswith("kernels ready after ")
+
+
+def test_json_has_neither_nan_nor_numpy() -> None:
+    values = {"a": np.float64(math.nan), "b": np.arange(2), "c": (math.inf, Path("x")), "d": True}
+    assert json_able(values) == {"a": None, "b": [0, 1], "c": [None, "x"], "d": True}

@@ -1,0 +1,88 @@
+"""Write docs/scenario.md, the reference of the scenario file, from the one schema.
+
+`python tools/scenario_reference.py` writes it; a test compares it with the schema.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "scenario.md"
+
+sys.path.insert(0, str(ROOT))
+
+from spacecraft_gnc.scenario import registry  # noqa: E402
+from spacecraft_gnc.scenario.declare import declarations  # noqa: E402
+from spacecraft_gnc.scenario.parameter import MatrixRule, ParameterSpec  # noqa: E402
+from spacecraft_gnc.scenario.schema import SECTIONS  # noqa: E402
+
+HEAD = """\
+# The scenario file
+
+<!-- Written by tools/scenario_reference.py from the schema in spacecraft_gnc/scenario/schema.py. -->
+
+One scenario is one standard ROS 2 parameter file. It is handed unchanged to every node
+(`plant --ros-args --params-file FILE`), to `gnc launch` and to `gnc simulate`; `gnc check FILE` names every
+mistake in it at once. `--set node.parameter=VALUE` (VALUE is YAML) replaces a value for one run.
+
+- A parameter that is left out takes its default. `required` ones have none.
+- Numbers with a decimal point are doubles, without one integers, and ROS 2 tells them apart: write
+  `150.0` where a double is due.
+- Matrices are row-major, 9 numbers; a weight may also be one number `s`, which stands for `s I`.
+- Angles are in radians unless the name ends in `_deg`. Vectors are in the body frame unless the
+  description says otherwise.
+- `/**` gives values to every node that has the parameter, as in ROS 2.
+- A vehicle, method or governor of another package takes its parameters from `plugin.<name>`.
+"""
+
+
+def page() -> str:
+    """Return the text of docs/scenario.md."""
+    return "\n".join([HEAD, *(_section(name) for name in SECTIONS)])
+
+
+def _section(name: str) -> str:
+    lines = [
+        f"## `{name}`\n",
+        "| parameter | type | default | unit | admissible | meaning |",
+        "|---|---|---|---|---|---|",
+    ]
+    zones = ("<name>",)
+    for key, spec in declarations(name, zones):
+        cells = (
+            f"`{key}`", _type(spec), _default(spec), spec.unit, _admissible(spec), spec.description
+        )  # fmt: skip
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _type(spec: ParameterSpec) -> str:
+    words = spec.kind.value.lower().replace("_array", "s").replace("dynamic", "double(s)")
+    sizes = {(3,): " (3)", (3, 3): " (9)"}
+    return words + sizes.get(spec.shape, "")
+
+
+def _default(spec: ParameterSpec) -> str:
+    return "required" if spec.required else f"`{spec.default}`"
+
+
+def _admissible(spec: ParameterSpec) -> str:
+    words = []
+    if spec.choices:
+        words.append(", ".join(spec.choices))
+    if spec.plugins:
+        words.append(", ".join(registry.BUILT_IN[spec.plugins]) + " or a plug-in")
+    if spec.matrix is not MatrixRule.NONE:
+        words.append(spec.matrix.value)
+    bounds = ((">=", spec.minimum), (">", spec.above), ("<=", spec.maximum), ("<", spec.below))
+    words += [f"{sign} {bound:g}" for sign, bound in bounds if bound is not None]
+    if spec.nonzero:
+        words.append("not zero")
+    return "; ".join(words)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    print(f"written: {PAGE.relative_to(ROOT)}")
