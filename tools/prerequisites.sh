@@ -64,4 +64,5 @@ if [ -z "$(first_command "${CC:-cc}" gcc clang)" ] || [ -z "$(first_command "${C
 fi
 
 [ "$complete" = yes ] || exit 1
-echo "$python"
+# The interpreter behind an environment: the one that is active may be about to be replaced.
+"$python" -c 'import sys; print(getattr(sys, "_base_executable", sys.executable))'

@@ -20,21 +20,33 @@ from spacecraft_gnc.errors import GncError
 
 
 class _Command(NamedTuple):
-    """Where a command lives: a function, or a `typer.Typer` of sub-commands."""
+    """A function, or a `typer.Typer` of sub-commands, that is imported when it is called."""
 
     target: str
+    """``module:attribute``"""
+    summary: str
+    """Line in the list of commands; here, so that ``gnc --help`` imports no command."""
     hidden: bool = False
 
 
+_PACKAGE: Final = "spacecraft_gnc.cli"
 COMMANDS: Final = {
-    "launch": _Command("spacecraft_gnc.cli.launch:launch"),
-    "simulate": _Command("spacecraft_gnc.cli.simulate:simulate"),
-    "check": _Command("spacecraft_gnc.cli.check:check"),
-    "plot": _Command("spacecraft_gnc.cli.plot:plot"),
-    "inspect": _Command("spacecraft_gnc.cli.inspect:inspect"),
-    "slew": _Command("spacecraft_gnc.cli.slew:slew"),
-    "bench": _Command("spacecraft_gnc.cli.bench:bench"),
-    "warmup": _Command("spacecraft_gnc.cli.warmup:warmup", hidden=True),
+    "launch": _Command(
+        f"{_PACKAGE}.launch:launch", "Fly a scenario as a ROS 2 graph and record it."
+    ),
+    "simulate": _Command(f"{_PACKAGE}.simulate:simulate", "Fly a scenario without ROS."),
+    "check": _Command(
+        f"{_PACKAGE}.check:check", "Check a scenario file; list every problem at once."
+    ),
+    "plot": _Command(f"{_PACKAGE}.plot:plot", "Draw the figures of a flight."),
+    "inspect": _Command(
+        f"{_PACKAGE}.inspect:inspect", "Look into a running graph: nodes, topics, messages, rates."
+    ),
+    "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
+    "bench": _Command(f"{_PACKAGE}.bench:bench", "Measure how fast this machine flies."),
+    "warmup": _Command(
+        f"{_PACKAGE}.warmup:warmup", "Compile every kernel into the cache.", hidden=True
+    ),
 }
 _PLAIN: Final[dict[str, Any]] = {
     "add_completion": False,
@@ -54,6 +66,11 @@ class _LazyGroup(TyperGroup):
         """Return the command called ``cmd_name``, or None."""
         command = COMMANDS.get(cmd_name)
         return None if command is None else _load(cmd_name, command)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the list of commands."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(n, c.summary) for n, c in COMMANDS.items() if not c.hidden])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Name the nearest command where there is none of that name."""

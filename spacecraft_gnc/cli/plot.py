@@ -56,6 +56,10 @@ ScenarioOption = Annotated[
 ScaleOption = Annotated[
     ErrorScale, typer.Option("--error-scale", help="Scale of the attitude error.")
 ]
+TitleOption = Annotated[
+    str | None,
+    typer.Option("--title", help="Heading of the overview.  [default: name of the source]"),
+]
 UnfinishedOption = Annotated[
     bool, typer.Option("--unfinished", help="Read what was saved of a bag that was cut off.")
 ]
@@ -67,6 +71,7 @@ def plot(
     formats: FormatOption = [Format.PNG, Format.SVG],  # noqa: B006  # typer copies it
     scenario: ScenarioOption = None,
     error_scale: ScaleOption = ErrorScale.LOG,
+    title: TitleOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -79,7 +84,8 @@ def plot(
     flight = load_run(source, allow_unfinished=unfinished)
     known = _scenario(flight, scenario)
     name = source.stem if source.is_file() else source.resolve().name
-    figures = flight_figures(flight.trajectory, known, title=name, error_scale=error_scale.value)
+    heading = name if title is None else title
+    figures = flight_figures(flight.trajectory, known, title=heading, error_scale=error_scale.value)
     folder = out if out is not None else Path(f"{name}-figures")
     files = save_figures(figures, folder, [item.value for item in dict.fromkeys(formats)])
     for warning in flight.info.warnings():

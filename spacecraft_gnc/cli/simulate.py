@@ -21,7 +21,7 @@ from spacecraft_gnc.cli._common import (
     print_json,
     print_table,
 )
-from spacecraft_gnc.errors import GncError, RecordingError
+from spacecraft_gnc.errors import GncError, ParameterError, RecordingError
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.closed_loop import ClosedLoop, Progress
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 _PATIENCE = 2.0  # wall time [s] before a progress bar appears
 _REFRESH = 0.1  # wall time [s] between two pictures of it
+_BYTES_PER_STEP = 31 * 8  # numbers that a `Trajectory` keeps of each step
 _NOTHING = "-"  # a row without a value is left out
 OutOption = Annotated[
     Path | None,
@@ -56,6 +57,7 @@ def simulate(
     checked = load(scenario, overrides or ())
     if out is not None:
         require_writable(out)
+    require_memory(checked.n_steps)
     loop = checked.build()
     for core in (loop.plant, loop.controller, loop.governor):
         core.warm_up()  # loads the kernels, which is no part of the flight
@@ -101,15 +103,26 @@ def require_writable(out: Path) -> None:
     )
 
 
+def require_memory(n_steps: int) -> None:
+    """Refuse a flight whose record would not fit into the memory of this machine.
+
+    Raises
+    ------
+    ParameterError
+        If it would not; the system would end the process at some step without a word.
+    """
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if n_steps * _BYTES_PER_STEP > memory:
+        raise ParameterError(
+            f"plant.duration: received {n_steps} control steps; required at most "
+            f"{memory // _BYTES_PER_STEP}, whose record fits into {memory >> 30} GiB; shorten it"
+        )
+
+
 def _fly(loop: ClosedLoop, silent: bool) -> Trajectory:
     try:
         with _progress(silent) as progress:
             return loop.run(progress)
-    except MemoryError:
-        raise RunFailed(
-            f"plant.duration: received {loop.plant.n_steps} control steps; required a flight whose "
-            "record fits into memory; shorten it"
-        ) from None
     except GncError as error:  # the input was accepted: what fails now is the run
         raise RunFailed(str(error)) from error
 

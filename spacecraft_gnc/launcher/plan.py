@@ -84,7 +84,6 @@ def make_plan(
         The folder cannot be used, or there is no plant to fly.
     """
     scenario = load(path, overrides)
-    scenario.build()  # what a core refuses is told now, by one process instead of four
     nodes = tuple(n for n in scenario.launcher.nodes if record or n != RECORDER)
     if PLANT not in nodes:
         raise LaunchRefused(

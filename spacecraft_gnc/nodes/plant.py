@@ -53,7 +53,7 @@ class PlantNode(GncNode):
         self.n_steps = self._plant.n_steps
         self._period_ns = convert.period_ns(self._plant.period)
         self._pose_every = scenario.plant.pose_every
-        self._awaited = set(scenario.plant.peers)
+        self._awaited = set(scenario.plant.peers) & set(READY.publishers)
         self._free_run = scenario.plant.mode == "free_run"
 
     def open(self) -> None:

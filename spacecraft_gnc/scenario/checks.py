@@ -56,9 +56,12 @@ def largest_time_step(inertia: Array, momentum: Array) -> float:
 
     Source: Kalabic et al. 2014, (3). `RigidBody.largest_time_step` is the same, behind numba.
     """
+    size = float(np.abs(momentum).max())
+    if size == 0.0:
+        return math.inf
     nonstandard = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    hat = np.cross(np.eye(3), momentum)
-    norm = float(np.linalg.norm(hat @ np.linalg.inv(nonstandard), 2))
+    hat = np.cross(np.eye(3), momentum / size)
+    norm = size * float(np.linalg.norm(hat @ np.linalg.inv(nonstandard), 2))
     return 2.0 / norm if norm > 0.0 else math.inf
 
 

@@ -189,6 +189,8 @@ def _apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
         for text in overrides:
             values |= _parse_override(text, problems)
     for key, value in values.items():
+        if value is None:  # as in `from_sections`: not given
+            continue
         section, _, name = key.partition(".")
         if section not in SECTIONS or not name:
             need = f"NODE.PARAMETER with a node out of {', '.join(SECTIONS)}"

@@ -37,7 +37,9 @@ class Problem:
     def __str__(self) -> str:
         place = self.file if self.line is None else f"{self.file}:{self.line}"
         subject = f"{place}: {self.key}" if self.key else place
-        return f"{subject}: received {self.value}; required {self.requirement}; {self.remedy}"
+        line = f"{subject}: received {self.value}; required {self.requirement}; {self.remedy}"
+        # one line, and nothing a terminal would obey, whatever stands in the file
+        return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in line)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields as a JSON-able mapping."""

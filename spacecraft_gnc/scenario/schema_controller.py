@@ -148,19 +148,12 @@ class ControllerParameters(NodeParameters):
     )
     residual_tolerance: float = parameter(
         Kind.DOUBLE,
-        1.0e-10,
+        1.0e-12,
         "largest residual of the optimality conditions that counts as solved",
         above=0.0,
     )
     max_iterations: int = parameter(
         Kind.INTEGER, 50, "iterations after which a solve gives up", minimum=1
-    )
-    wall_time_budget: float = parameter(
-        Kind.DOUBLE,
-        0.0,
-        "wall time after which a solve gives up; 0: no limit",
-        unit="s",
-        minimum=0.0,
     )
     weights: WeightParameters = field(default_factory=WeightParameters)
     zones: tuple[ZoneParameters, ...] = ()

@@ -47,7 +47,7 @@ def test_complete_machine_prints_its_python(commands: Path) -> None:
     add_python(commands)
     add_compilers(commands)
     result = run(commands)
-    assert (result.returncode, result.stdout, result.stderr) == (0, "python3\n", "")
+    assert (result.returncode, result.stdout, result.stderr) == (0, f"{BASE_PYTHON}\n", "")
 
 
 def test_missing_compiler_is_one_line_with_the_remedy(commands: Path) -> None:

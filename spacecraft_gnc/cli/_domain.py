@@ -1,0 +1,50 @@
+"""Which graph a command joins."""
+
+from __future__ import annotations
+
+import os
+from typing import Annotated, ClassVar
+
+import typer
+
+from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.launcher import domain, environment
+
+DomainOption = Annotated[
+    int | None,
+    typer.Option(
+        "--domain-id",
+        metavar="N",
+        min=0,
+        max=232,
+        help="ROS_DOMAIN_ID of the graph [the variable, else that of the one `gnc launch`].",
+    ),
+]
+
+
+class AmbiguousDomain(LaunchError):
+    """Several graphs run, and none was named."""
+
+    exit_code: ClassVar[int] = 2
+
+
+def choose_domain(given: int | None) -> int:
+    """Return the domain to join: the one given, ROS_DOMAIN_ID, or that of the only launched graph.
+
+    Raises
+    ------
+    AmbiguousDomain
+        Several graphs were launched on this machine.
+    """
+    if given is not None:
+        return given
+    if os.environ.get(environment.DOMAIN_ID):
+        return environment.domain_id(os.environ)
+    graphs = list(domain.running_graphs())
+    if len(graphs) > 1:
+        listed = ", ".join(f"{g.domain_id} ({g.about.get('scenario', '?')})" for g in graphs)
+        raise AmbiguousDomain(
+            f"--domain-id: received nothing while {len(graphs)} graphs run: {listed}; required the "
+            "one you mean; add --domain-id N"
+        )
+    return graphs[0].domain_id if graphs else 0
