@@ -12,8 +12,8 @@ import time
 
 import numpy as np
 from Basilisk.simulation import extForceTorque, spacecraft
-from Basilisk.utilities import SimulationBaseClass, macros
 from Basilisk.utilities import RigidBodyKinematics as Kinematics
+from Basilisk.utilities import SimulationBaseClass, macros
 from scipy.integrate import solve_ivp
 
 from spacecraft_gnc import lie
@@ -66,7 +66,7 @@ def basilisk(torque, step):
 
 
 def ours(torque, step):
-    """The integrator, torque in half kicks at the ends so that both read the same instant."""
+    """Run the integrator, the torque in half kicks at both ends to read the same instant."""
     body, n = RigidBody(INERTIA, step), round(DURATION / step)
     body.step(ATTITUDE, MOMENTUM, torque)
     begun = time.perf_counter()

@@ -1,31 +1,29 @@
 """Write docs/scenario.md, the reference of the scenario file, from the one schema.
 
-`python tools/scenario_reference.py` writes it; a test compares it with the schema.
+`.venv/bin/python tools/scenario_reference.py` writes it; a test compares it with the schema.
 """
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
+
+from spacecraft_gnc.scenario import registry
+from spacecraft_gnc.scenario.declare import declarations
+from spacecraft_gnc.scenario.parameter import MatrixRule, ParameterSpec
+from spacecraft_gnc.scenario.schema import SECTIONS
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "scenario.md"
 
-sys.path.insert(0, str(ROOT))
-
-from spacecraft_gnc.scenario import registry  # noqa: E402
-from spacecraft_gnc.scenario.declare import declarations  # noqa: E402
-from spacecraft_gnc.scenario.parameter import MatrixRule, ParameterSpec  # noqa: E402
-from spacecraft_gnc.scenario.schema import SECTIONS  # noqa: E402
-
 HEAD = """\
 # The scenario file
 
-<!-- Written by tools/scenario_reference.py from the schema in spacecraft_gnc/scenario/schema.py. -->
+<!-- Written by tools/scenario_reference.py from the schema in spacecraft_gnc/scenario. -->
 
 One scenario is one standard ROS 2 parameter file. It is handed unchanged to every node
-(`plant --ros-args --params-file FILE`), to `gnc launch` and to `gnc simulate`; `gnc check FILE` names every
-mistake in it at once. `--set node.parameter=VALUE` (VALUE is YAML) replaces a value for one run.
+(`plant --ros-args --params-file FILE`), to `gnc launch` and to `gnc simulate`; `gnc check FILE`
+names every mistake in it at once. `--set node.parameter=VALUE` (VALUE is YAML) replaces a value for
+one run.
 
 - A parameter that is left out takes its default. `required` ones have none.
 - Numbers with a decimal point are doubles, without one integers, and ROS 2 tells them apart: write

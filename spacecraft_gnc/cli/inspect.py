@@ -96,8 +96,8 @@ def hz(
     with GraphView(choose_domain(domain_id)) as view:
         for number, rate in enumerate(view.measure(topic, window), start=1):
             print(
-                f"{rate.hz:.1f} Hz ({rate.messages} messages, period {rate.period_min * 1e3:.2f} to "
-                f"{rate.period_max * 1e3:.2f} ms)",
+                f"{rate.hz:.1f} Hz ({rate.messages} messages, period "
+                f"{rate.period_min * 1e3:.2f} to {rate.period_max * 1e3:.2f} ms)",
                 flush=True,
             )
             if number == count:

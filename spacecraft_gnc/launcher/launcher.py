@@ -66,6 +66,7 @@ class Launcher:
         """
         lock = self._claim_domain()
         try:
+            self._domain_id = lock.domain_id
             self._environment = environment.for_node(os.environ, lock.domain_id)
             self.plan.logs.mkdir(exist_ok=True)
             with self._signals():
@@ -95,11 +96,10 @@ class Launcher:
         try:
             for name in [COMPOSED] if self.plan.composed else self.plan.nodes:
                 self._start(name, autostart=False)
-            os.environ.update(self._environment)
             from spacecraft_gnc.nodes._supervisor import Supervisor
 
-            with Supervisor(self.plan.nodes) as supervisor:
-                self.display.waiting(self.plan, int(self._environment[environment.DOMAIN_ID]))
+            with Supervisor(self.plan.nodes, self._domain_id) as supervisor:
+                self.display.waiting(self.plan, self._domain_id)
                 self._bring_up(supervisor)
                 while not self._finished():
                     self._watch(supervisor)

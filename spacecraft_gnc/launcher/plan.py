@@ -99,7 +99,7 @@ def make_plan(
     if overrides or changes:
         merged = load(path, [*overrides, *(f"{key}={value}" for key, value in changes.items())])
         parameter_file = folder / _SCENARIO_FILE
-        parameter_file.write_text(merged.to_yaml(), encoding="utf-8")
+        parameter_file.write_text(merged.to_yaml(defaults=True), encoding="utf-8")
         scenario = merged
     return LaunchPlan(
         scenario=scenario,

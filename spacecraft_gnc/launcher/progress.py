@@ -29,19 +29,19 @@ class Display:
     """Shows nothing: the base of what shows something."""
 
     def waiting(self, plan: LaunchPlan, domain_id: int) -> None:
-        """The processes were started."""
+        """Take note that the processes were started."""
 
     def starting(self, stages: Mapping[str, str]) -> None:
-        """Nodes have come to these stages."""
+        """Take note of how far the nodes have come."""
 
     def flying(self, report: Report) -> None:
-        """The graph flies."""
+        """Take note of where the flight is."""
 
     def note(self, text: str) -> None:
-        """Something worth a line happened."""
+        """Take note of something worth a line."""
 
     def close(self) -> None:
-        """Nothing more will be shown."""
+        """Show nothing more."""
 
 
 class PlainLines(Display):

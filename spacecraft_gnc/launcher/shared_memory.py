@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
-_FOLDER: Final = Path("/dev/shm")
+_FOLDER: Final = Path("/dev/shm")  # noqa: S108 - where Fast DDS puts its segments
 _PREFIX: Final = "fastrtps_"
 _LOCK_SUFFIX: Final = "_el"
 

@@ -151,7 +151,7 @@ def _flatten(message: Any, prefix: str) -> Iterator[_Leaf]:
 def _flatten_value(value: Any, kind: str, path: str) -> Iterator[_Leaf]:
     if kind.startswith("sequence<"):
         yield _Leaf(path, "s", struct.pack("<I", len(value)), 4)
-        element = kind[len("sequence<") : -1].split(",")[0]
+        element = kind[len("sequence<") : -1].partition(",")[0]
         for item in value:
             yield from _flatten_value(item, element, path)
     elif kind.endswith("]"):

@@ -62,7 +62,7 @@ Stamp = tuple[int, int]
 """Seconds and nanoseconds."""
 
 
-class Refused(Exception):  # noqa: N818 - the name says what happened to the message
+class Refused(Exception):
     """A message that must not reach a core, and why."""
 
 
@@ -238,10 +238,13 @@ class SolverStatusEncoder:
     ----------
     method
         The controller's name.
+    horizon
+        Steps of the horizon, for messages without a solve.
     """
 
-    def __init__(self, method: str) -> None:
+    def __init__(self, method: str, horizon: int) -> None:
         self._method = method
+        self._horizon = horizon
         self._layouts: dict[tuple[int, int], Layout] = {}
 
     def encode(
@@ -249,7 +252,8 @@ class SolverStatusEncoder:
     ) -> bytes:
         """Serialize a solve with its wall time and slack; None: no solve was made."""
         if solution is None:
-            return self._layout(-1, 0).pack([*stamp, step, *_NO_SOLVE, *wall])
+            plan = [math.nan] * (15 * self._horizon + 12)
+            return self._layout(self._horizon, 0).pack([*stamp, step, *_NO_SOLVE, *plan, *wall])
         zone_margins = solution.zone_margins.tolist()
         return self._layout(len(solution.torques), len(zone_margins)).pack(
             [
@@ -280,7 +284,7 @@ class SolverStatusEncoder:
                 zone_margins=[0.0] * n_zones,
                 predicted_attitudes=[0.0] * (9 * (horizon + 1)),
                 predicted_momenta=[0.0] * (3 * (horizon + 1)),
-                predicted_torques=[0.0] * max(3 * horizon, 0),
+                predicted_torques=[0.0] * (3 * horizon),
             )
             layout = self._layouts[horizon, n_zones] = Layout(prototype)
         return layout

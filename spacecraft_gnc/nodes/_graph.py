@@ -8,7 +8,7 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import rclpy
@@ -18,7 +18,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
 from spacecraft_gnc.errors import LaunchError
-from spacecraft_gnc.launcher.environment import DOMAIN_ID, prepare
+from spacecraft_gnc.launcher.environment import prepare
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _SPIN = 0.05  # [s] wall
 _SETTLE = 0.5  # [s] wall without a change after which discovery counts as complete
@@ -62,15 +65,15 @@ class GraphView:
     def __init__(self, domain_id: int) -> None:
         self.domain_id = domain_id
         prepare(os.environ)
-        os.environ[DOMAIN_ID] = str(domain_id)
-        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        options = SignalHandlerOptions.NO
+        rclpy.init(args=[], domain_id=domain_id, signal_handler_options=options)
         self.node = Node(f"inspect_{os.getpid()}", start_parameter_services=False)
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
         self._interrupted = False
         signal.signal(signal.SIGINT, self._interrupt)
 
-    def __enter__(self) -> GraphView:
+    def __enter__(self) -> Self:
         """Return the view."""
         return self
 
@@ -181,10 +184,14 @@ class GraphView:
         while True:
             begun = time.monotonic()
             arrivals.clear()
-            self.spin_until(lambda begun=begun: time.monotonic() - begun >= window)
+            self.spin_until(_elapsed(begun + window))
             if self._interrupted:
                 return
             yield _rate(np.array(arrivals), time.monotonic() - begun)
+
+
+def _elapsed(deadline: float) -> Callable[[], bool]:
+    return lambda: time.monotonic() >= deadline
 
 
 def _rate(arrivals: np.ndarray, duration: float) -> Rate:

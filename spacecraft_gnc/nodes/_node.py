@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, ClassVar
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -32,8 +33,8 @@ _LAST_WORDS = Duration(seconds=1)  # wall time granted to readers that have not 
 class GncNode(LifecycleNode):
     """A lifecycle node around one core.
 
-    Subclasses fill in `build`, `open`, `start`, `stop` and `close`. They may raise `GncError`,
-    which refuses the transition with its message.
+    Subclasses fill in `build`, `open`, `start` and `stop`. These may raise `GncError`, which refuses
+    the transition with its message; what has to be given back they hand to `on_close`.
     """
 
     ROLE: ClassVar[str]
@@ -42,9 +43,7 @@ class GncNode(LifecycleNode):
     scenario: Scenario
 
     def __init__(self) -> None:
-        super().__init__(
-            self.ROLE, parameter_overrides=[Parameter("use_sim_time", value=True)]
-        )
+        super().__init__(self.ROLE, parameter_overrides=[Parameter("use_sim_time", value=True)])
         self.active = False
         self.finished = False
         """The node has done its work; the runner ends it."""
@@ -53,7 +52,8 @@ class GncNode(LifecycleNode):
         self.refused = 0
         """Messages that were rejected since the node was configured."""
         self.steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._endpoints: list[Publisher | Subscription | Timer] = []
+        self._resources = ExitStack()
+        self._open_publishers: list[Publisher] = []
         self._readiness: Readiness | None = None
         self._called = False
         self._last_report = -_REPORT_PERIOD
@@ -71,9 +71,6 @@ class GncNode(LifecycleNode):
 
     def stop(self) -> None:
         """Cease to work."""
-
-    def close(self) -> None:
-        """Give back what `build` and `open` took; the endpoints close by themselves."""
 
     def progress(self) -> int:
         """Return a number that changes while messages are handled: it tells when all are."""
@@ -109,6 +106,13 @@ class GncNode(LifecycleNode):
         return self._attempt(self._cleanup)
 
     def _configure(self) -> None:
+        try:
+            self._build_and_open()
+        except BaseException:
+            self._close()  # nothing half-made stays
+            raise
+
+    def _build_and_open(self) -> None:
         self.scenario = load_scenario(self, self.ROLE)
         self.refused = 0
         present = {PLANT, *self.scenario.plant.peers}
@@ -135,17 +139,14 @@ class GncNode(LifecycleNode):
     def _cleanup(self) -> None:
         if self.active:
             self._deactivate()
-        self.close()
-        for endpoint in self._endpoints:
-            if isinstance(endpoint, Publisher):
-                endpoint.wait_for_all_acked(_LAST_WORDS)
-                self.destroy_publisher(endpoint)
-            elif isinstance(endpoint, Subscription):
-                self.destroy_subscription(endpoint)
-            else:
-                self.destroy_timer(endpoint)
-        self._endpoints.clear()
+        for publisher in self._open_publishers:
+            publisher.wait_for_all_acked(_LAST_WORDS)
+        self._close()
+
+    def _close(self) -> None:
+        self._open_publishers.clear()
         self._readiness = None
+        self._resources.close()
 
     def _attempt(self, transition: Callable[[], None]) -> TransitionCallbackReturn:
         """Run a transition; rclpy itself would swallow the reason of a failure."""
@@ -156,7 +157,7 @@ class GncNode(LifecycleNode):
             for line in str(error).splitlines():
                 self.get_logger().error(line)
             return TransitionCallbackReturn.FAILURE
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - rclpy would swallow the traceback
             self.failure = error
             self.get_logger().error(traceback.format_exc())
             return TransitionCallbackReturn.ERROR
@@ -170,7 +171,8 @@ class GncNode(LifecycleNode):
         publisher = self.create_publisher(
             topic.type, topic.name, topic.qos, event_callbacks=callbacks
         )
-        self._endpoints.append(publisher)
+        self.on_close(self.destroy_publisher, publisher)
+        self._open_publishers.append(publisher)
         if self._readiness is not None:
             self._readiness.expect_subscribers(topic, publisher)
         return publisher
@@ -183,7 +185,7 @@ class GncNode(LifecycleNode):
         subscription = self.create_subscription(
             topic.type, topic.name, callback, qos or topic.qos, event_callbacks=callbacks, raw=True
         )
-        self._endpoints.append(subscription)
+        self.on_close(self.destroy_subscription, subscription)
         if self._readiness is not None:
             self._readiness.expect_publishers(topic, subscription)
         return subscription
@@ -194,8 +196,12 @@ class GncNode(LifecycleNode):
 
     def own(self, timer: Timer) -> Timer:
         """Destroy ``timer`` on clean-up."""
-        self._endpoints.append(timer)
+        self.on_close(self.destroy_timer, timer)
         return timer
+
+    def on_close(self, give_back: Callable[..., Any], *arguments: Any) -> None:
+        """Call ``give_back(*arguments)`` on clean-up, the latest first."""
+        self._resources.callback(give_back, *arguments)
 
     # Roll call.
 

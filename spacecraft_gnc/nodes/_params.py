@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,6 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from spacecraft_gnc.errors import ScenarioError
 from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
 from spacecraft_gnc.scenario.declare import declarations
 from spacecraft_gnc.scenario.parameter import Kind, ParameterSpec, Value
@@ -23,7 +23,7 @@ _ROS_OWN = ("use_sim_time", "start_type_description_service")
 
 def parameter_files(arguments: Sequence[str]) -> Iterator[Path]:
     """Paths after ``--params-file`` on a command line."""
-    for flag, value in zip(arguments, arguments[1:], strict=False):
+    for flag, value in pairwise(arguments):
         if flag == "--params-file":
             yield Path(value)
 
@@ -98,15 +98,15 @@ def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
         read_only=spec.read_only,
         dynamic_typing=spec.kind is Kind.DYNAMIC,
     )
-    if spec.minimum is None and spec.maximum is None:
+    bounds = [b for b in (spec.minimum, spec.above, spec.maximum, spec.below) if b is not None]
+    if not bounds:
         return descriptor
-    low = -_RANGE_END if spec.minimum is None else spec.minimum
-    high = _RANGE_END if spec.maximum is None else spec.maximum
+    # ROS 2 ranges include their ends; the checks of the scenario know better.
+    low = next((b for b in (spec.minimum, spec.above) if b is not None), -_RANGE_END)
+    high = next((b for b in (spec.maximum, spec.below) if b is not None), _RANGE_END)
     if spec.kind is Kind.DOUBLE:
         descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
     elif spec.kind is Kind.INTEGER:
-        high = 2**63 - 1 if spec.maximum is None else int(high)
-        descriptor.integer_range = [
-            IntegerRange(from_value=int(low), to_value=int(high), step=1)
-        ]
+        ends = (int(max(low, -(2**63))), int(min(high, 2**63 - 1)))
+        descriptor.integer_range = [IntegerRange(from_value=ends[0], to_value=ends[1], step=1)]
     return descriptor

@@ -69,7 +69,7 @@ def run(*node_types: type[GncNode], arguments: Sequence[str] | None = None) -> i
     except GncError as error:
         report(error)
         return error.exit_code
-    except Exception:
+    except Exception:  # noqa: BLE001 - the last resort of a process
         traceback.print_exc()
         return 1
     finally:
@@ -110,8 +110,8 @@ def _check_arguments(argv: Sequence[str]) -> None:
     name = Path(argv[0]).name
     for argument in remove_ros_args(list(argv))[1:]:
         raise ScenarioError(
-            f"{name}: received {argument!r}; required ROS 2 arguments only; write {name} --ros-args "
-            "--params-file config/SCENARIO.yaml"
+            f"{name}: received {argument!r}; required ROS 2 arguments only; write {name} "
+            "--ros-args --params-file config/SCENARIO.yaml"
         )
     for file in parameter_files(argv):
         if not file.is_file():

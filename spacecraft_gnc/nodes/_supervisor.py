@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import rclpy
 from lifecycle_msgs.msg import Transition
@@ -18,7 +18,11 @@ from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from spacecraft_gnc_msgs.msg import WallTiming
 
+from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.nodes._topics import PLANT, WALL_STATUS, WALL_TIMING
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Stage(Enum):
@@ -56,10 +60,14 @@ class Supervisor:
     ----------
     names
         Nodes to look after.
+    domain_id
+        ROS_DOMAIN_ID of the graph.
     """
 
-    def __init__(self, names: Sequence[str]) -> None:
-        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    def __init__(self, names: Sequence[str], domain_id: int) -> None:
+        prepare(os.environ)
+        options = SignalHandlerOptions.NO
+        rclpy.init(args=[], domain_id=domain_id, signal_handler_options=options)
         self._node = Node(f"launcher_{os.getpid()}", start_parameter_services=False)
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
@@ -68,7 +76,7 @@ class Supervisor:
         for topic, callback in ((WALL_TIMING, self._on_timing), (WALL_STATUS, self._on_status)):
             self._node.create_subscription(topic.type, topic.name, callback, topic.qos)
 
-    def __enter__(self) -> Supervisor:
+    def __enter__(self) -> Self:
         """Return the supervisor."""
         return self
 

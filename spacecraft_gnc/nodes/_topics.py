@@ -79,12 +79,15 @@ class Topic(NamedTuple):
         return self.recorded and (not names or self.name.strip("/") in names)
 
     def expected_subscribers(self, present: Collection[str], wanted: Collection[str] = ()) -> int:
-        """Subscriptions that nodes ``present`` in the graph have, a recorder of ``wanted`` too."""
+        """Return how many subscriptions the nodes ``present`` in the graph have.
+
+        ``wanted`` is what a recorder among them takes (empty: all).
+        """
         recorders = (RECORDER,) if self.is_recorded(wanted) else ()
         return sum(name in present for name in self.subscribers + recorders)
 
     def expected_publishers(self, present: Collection[str]) -> int:
-        """Publishers that nodes ``present`` in the graph have."""
+        """Return how many publishers the nodes ``present`` in the graph have."""
         return sum(name in present for name in self.publishers)
 
 

@@ -43,7 +43,9 @@ class ControllerNode(GncNode):
         self._controller = scenario.build_controller()
         self._controller.warm_up()
         self._period_ns = convert.period_ns(self._controller.period)
-        self._status = convert.SolverStatusEncoder(self._controller.name)
+        self._status = convert.SolverStatusEncoder(
+            self._controller.name, scenario.controller.horizon
+        )
         free_run = scenario.plant.mode == "free_run"
         factor = scenario.plant.real_time_factor
         self._wall_period = self._controller.period / factor if free_run else math.nan

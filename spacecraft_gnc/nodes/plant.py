@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from std_msgs.msg import String, UInt64
+from std_msgs.msg import UInt64
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.launcher import domain
@@ -47,7 +47,8 @@ class PlantNode(GncNode):
     def build(self, scenario: Scenario) -> None:
         """Build the vehicle and the pace."""
         about = {"plant": self.get_fully_qualified_name()}
-        self._clock_lock = domain.claim(domain.CLOCK, self.context.get_domain_id(), about)
+        lock = domain.claim(domain.CLOCK, self.context.get_domain_id(), about)
+        self.on_close(lock.release)
         self._plant = scenario.build_plant()
         self._plant.warm_up()
         self.n_steps = self._plant.n_steps
@@ -91,10 +92,6 @@ class PlantNode(GncNode):
     def stop(self) -> None:
         """Stop the wall clock."""
         self._tick_timer.cancel()
-
-    def close(self) -> None:
-        """Let another plant use this domain."""
-        self._clock_lock.release()
 
     def on_everyone_ready(self) -> None:
         """Own endpoints are matched."""

@@ -48,9 +48,10 @@ class RecorderNode(GncNode):
             compression=parameters.compression,
             chunk_size=parameters.chunk_size,
         )
-        self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(scenario))
+        self.on_close(self._finish_bag)
         self._written = 0
         self._now = _NOT_YET
+        self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(scenario))
 
     def open(self) -> None:
         """Subscribe to everything that is to be recorded."""
@@ -67,8 +68,8 @@ class RecorderNode(GncNode):
         """Messages written."""
         return self._written
 
-    def close(self) -> None:
-        """Finish the bag, and shout if it is not complete."""
+    def _finish_bag(self) -> None:
+        """Close the bag, and shout if it is not complete."""
         counts = self._bag.counts
         if self._written:
             self._bag.close()

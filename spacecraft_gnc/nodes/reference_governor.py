@@ -42,6 +42,7 @@ class GovernorNode(GncNode):
             math.radians(parameters.slew_tolerance_deg),
             parameters.slew_rate_tolerance,
         )
+        self.on_close(self._slews.destroy)
 
     def start(self) -> None:
         """Return to the scenario's target."""
@@ -52,10 +53,6 @@ class GovernorNode(GncNode):
     def stop(self) -> None:
         """Let go of the slew being flown."""
         self._slews.preempt("the governor was stopped")
-
-    def close(self) -> None:
-        """Withdraw the action."""
-        self._slews.destroy()
 
     def progress(self) -> int:
         """Step answered last."""

@@ -1,0 +1,124 @@
+"""The graph flies the closed loop, bit for bit and every time."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+
+from spacecraft_gnc.nodes._cdr import Layout
+from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.scenario import load
+
+pytestmark = pytest.mark.graph
+
+CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
+EXACT = (
+    "time",
+    "attitude",
+    "momentum",
+    "torque",
+    "reference",
+    "iterations",
+    "residual",
+    "cost",
+    "status",
+    "source",
+    "final_attitude",
+    "final_momentum",
+)
+SHORT = "plant.duration=20.0"
+
+
+def payloads(bag: Path) -> dict[str, list[bytes]]:
+    """Messages of each topic in order, without what tells of wall time."""
+    found: dict[str, list[bytes]] = defaultdict(list)
+    with AnyReader([bag]) as reader:
+        for connection, _, data in reader.messages():
+            if connection.topic == "/wall_timing":
+                continue
+            if connection.topic == "/solver_status":
+                data = bytes(data)[:-16]  # wall_solve_time and wall_deadline_slack come last
+            found[connection.topic].append(bytes(data))
+    return dict(found)
+
+
+def assert_equals_simulation(bag: Path, *overrides: str) -> None:
+    simulated = load(CASE1, overrides).build().run()
+    flown = read_flight(bag)
+    assert not flown.info.missing
+    assert not flown.info.overridden
+    for name in EXACT:
+        ours, theirs = getattr(flown.trajectory, name), getattr(simulated, name)
+        assert np.array_equal(ours, theirs), name
+
+
+def test_the_wall_fields_are_the_last_of_solver_status() -> None:
+    from spacecraft_gnc_msgs.msg import SolverStatus
+
+    layout = Layout(SolverStatus())
+    assert layout.field("wall_solve_time").stop == layout.n_values - 1
+    assert layout.field("wall_deadline_slack").stop == layout.n_values
+
+
+def test_two_launches_and_a_composed_one_are_identical(graph: Any) -> None:
+    first = graph.fly(SHORT)
+    assert graph.exit_codes == dict.fromkeys(graph.exit_codes, 0)
+    assert len(graph.exit_codes) == 4
+    second = graph.fly(SHORT)
+    third = graph.fly(SHORT, "launcher.composed=true")
+    assert graph.exit_codes == {"graph": 0}
+    expected = payloads(first / "bag")
+    counts = {topic.strip("/"): len(messages) for topic, messages in expected.items()}
+    assert counts == {
+        "attitude_state": 51,
+        "attitude_reference": 51,
+        "plant_invariants": 51,
+        "governor_status": 51,
+        "pose": 51,
+        "torque_command": 50,
+        "solver_status": 50,
+        "clock": 50,
+        "zone_markers": 1,
+    }
+    assert payloads(second / "bag") == expected
+    assert payloads(third / "bag") == expected
+    assert_equals_simulation(first / "bag", SHORT)
+
+
+def test_case_1(graph: Any) -> None:
+    out = graph.fly()
+    assert_equals_simulation(out / "bag")
+    flown = read_flight(out / "bag").trajectory
+    assert len(flown.time) == 375
+    assert flown.cost[0] == pytest.approx(0.01587107410188242, abs=1e-12)
+    assert np.linalg.norm(flown.torque, axis=1).max() == pytest.approx(0.01, abs=1e-8)
+    assert graph.outcome.steps == 375
+    assert math.isfinite(graph.outcome.startup_time)
+    assert (out / "logs" / "plant.log").read_text().count("flew 375 steps") == 1
+
+
+def test_control_period_of_several_integrator_steps(graph: Any) -> None:
+    overrides = (SHORT, "plant.time_step=0.1", "nmpc_controller.time_step=0.4")
+    out = graph.fly(*overrides)
+    assert_equals_simulation(out / "bag", *overrides)
+
+
+def test_free_run(graph: Any) -> None:
+    out = graph.fly(SHORT, "plant.mode=free_run", "plant.real_time_factor=10.0")
+    flown = read_flight(out / "bag")
+    assert not flown.info.missing
+    assert len(flown.trajectory.time) == 50
+    assert graph.outcome.wall_time == pytest.approx(2.0, rel=0.1)
+
+
+def test_without_a_recorder(graph: Any) -> None:
+    out = graph.fly("plant.duration=2.0", record=False)
+    assert set(graph.exit_codes) == {"plant", "nmpc_controller", "reference_governor"}
+    assert not (out / "bag").exists()
+    assert graph.outcome.bags == ()

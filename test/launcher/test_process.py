@@ -1,0 +1,87 @@
+"""Child processes, their environment, and what a killed one leaves behind."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.launcher import environment, shared_memory
+from spacecraft_gnc.launcher.process import NodeProcess, end_all
+
+WAIT = "import sys; print('up', flush=True); sys.stdin.read(); print('bye')"
+STUBBORN = (
+    "import signal, sys; signal.signal(signal.SIGTERM, signal.SIG_IGN); "
+    "print('up', flush=True); sys.stdin.read()"
+)
+
+
+def start(code: str, log: Path) -> NodeProcess:
+    process = NodeProcess("plant", ["-c", code], os.environ, log)
+    while process.last_words() != ["up"]:
+        assert process.exit_code is None
+    return process
+
+
+def test_ends_when_asked(tmp_path: Path) -> None:
+    process = start(WAIT, tmp_path / "log")
+    end_all([process], 10.0)
+    assert process.describe_end() == f"plant (pid {process.pid}) was killed by SIGTERM"
+
+
+def test_is_killed_when_stubborn(tmp_path: Path) -> None:
+    process = start(STUBBORN, tmp_path / "log")
+    end_all([process], 0.1)
+    assert process.exit_code == -signal.SIGKILL
+
+
+def test_sees_the_launcher_go(tmp_path: Path) -> None:
+    process = start(WAIT, tmp_path / "log")
+    process._popen.stdin.close()  # what the end of the launcher does
+    assert process.join(10.0) == 0
+    assert process.last_words() == ["up", "bye"]
+    assert process.describe_end().endswith("ended with exit code 0")
+
+
+def test_errors_are_found_among_the_last_words(tmp_path: Path) -> None:
+    code = "import sys; print('x'); sys.exit('error: a: received b')"
+    process = NodeProcess("plant", ["-c", code], os.environ, tmp_path / "log")
+    assert process.join(10.0) == 1
+    assert process.errors() == ["a: received b"]
+
+
+def test_environment_of_a_node() -> None:
+    made = environment.for_node({"_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1", "A": "b"}, 5)
+    assert made["ROS_DOMAIN_ID"] == "5"
+    assert made["A"] == "b"
+    assert made["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert Path(made["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
+    assert "_ROS_WHEELS_BOOTSTRAP_COMPLETE" not in made  # useless without LD_LIBRARY_PATH
+    kept = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_DEFAULT_PROFILES_FILE": "mine.xml"}
+    made = environment.for_node(kept, 5)
+    assert made["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in made
+
+
+def test_domain_of_an_environment() -> None:
+    assert environment.domain_id({}) == 0
+    assert environment.domain_id({"ROS_DOMAIN_ID": "17"}) == 17
+    for bad in ("x", "-1", "233"):
+        with pytest.raises(LaunchError, match=r"required 0 to 232"):
+            environment.domain_id({"ROS_DOMAIN_ID": bad})
+
+
+def test_orphaned_segments_are_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shared_memory, "_FOLDER", tmp_path)
+    for name in ("fastrtps_dead", "fastrtps_alive", "other"):
+        (tmp_path / name).touch()
+        (tmp_path / f"{name}_el").touch()
+    with (tmp_path / "fastrtps_alive_el").open("rb") as owner:
+        fcntl.flock(owner, fcntl.LOCK_EX)
+        assert shared_memory.remove_orphans() == 1
+    left = {path.name for path in tmp_path.iterdir()}
+    assert left == {"fastrtps_alive", "fastrtps_alive_el", "other", "other_el"}

@@ -1,0 +1,62 @@
+"""Nodes of the graph in this process, on a domain of their own."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions
+
+from spacecraft_gnc.launcher import domain
+from spacecraft_gnc.nodes._node import GncNode
+
+CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
+
+
+class Ros:
+    """An executor with nodes in it, driven until something holds."""
+
+    def __init__(self) -> None:
+        self.executor = EventsExecutor()
+        self.nodes: list[GncNode] = []
+
+    def nodes_domain(self) -> int:
+        return int(rclpy.get_default_context().get_domain_id())
+
+    def add(self, node: GncNode) -> GncNode:
+        self.nodes.append(node)
+        self.executor.add_node(node)
+        return node
+
+    def spin_until(self, done: Callable[[], bool]) -> None:
+        for _ in range(400):
+            if done():
+                return
+            self.executor.spin_once(timeout_sec=0.05)
+        raise AssertionError("never came true")
+
+
+@pytest.fixture
+def ros(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Ros]:
+    arguments = ["test", "--ros-args", "--params-file", str(CASE1)]
+    arguments += ["-p", f"recorder:storage_folder:={tmp_path / 'bag'}"]
+    monkeypatch.setattr(sys, "argv", arguments)
+    lock = domain.claim_free({"test": "nodes"})
+    rclpy.init(
+        args=arguments,
+        domain_id=lock.domain_id,
+        signal_handler_options=SignalHandlerOptions.NO,
+    )
+    ros = Ros()
+    try:
+        yield ros
+    finally:
+        for node in ros.nodes:
+            ros.executor.remove_node(node)
+            node.destroy_node()
+        rclpy.try_shutdown()
+        lock.release()

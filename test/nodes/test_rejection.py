@@ -1,0 +1,146 @@
+"""What must not reach a core does not, is counted, and is told about."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from rclpy.serialization import serialize_message
+from spacecraft_gnc_msgs.msg import AttitudeReference, AttitudeState, TorqueCommand
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.loop.protocols import Reference, State
+from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
+from spacecraft_gnc.nodes.plant import PlantNode
+from spacecraft_gnc.nodes.reference_governor import GovernorNode
+
+ZERO = np.zeros(3)
+IDENTITY = np.eye(3)
+
+
+def started(node: GncNode) -> Any:
+    node.trigger_configure()
+    node.trigger_activate()
+    assert node.active, node.failure
+    return node
+
+
+def state(step: int, attitude: np.ndarray = IDENTITY, momentum: np.ndarray = ZERO) -> bytes:
+    return convert.encode_state((step, 0), State(step, attitude, momentum), ZERO)
+
+
+def reference(step: int, attitude: np.ndarray = IDENTITY) -> bytes:
+    return convert.encode_reference((step, 0), step, Reference(attitude, ZERO, ZERO))
+
+
+def with_nan(data: bytes, message_type: type, field: str) -> bytes:
+    from rclpy.serialization import deserialize_message
+
+    message = deserialize_message(data, message_type)
+    value = getattr(message, field)
+    if hasattr(value, "x"):
+        value.x = math.nan
+    else:
+        value[4] = math.nan
+    return bytes(serialize_message(message))
+
+
+MIRROR = np.diag([1.0, 1.0, -1.0])
+BAD_STATES: dict[str, Callable[[], bytes]] = {
+    "NaN attitude": lambda: with_nan(state(3), AttitudeState, "attitude"),
+    "NaN momentum": lambda: with_nan(state(3), AttitudeState, "angular_momentum"),
+    "NaN rate": lambda: with_nan(state(3), AttitudeState, "angular_velocity"),
+    "scaled": lambda: state(3, 1.01 * IDENTITY),
+    "mirrored": lambda: state(3, MIRROR),
+    "old": lambda: state(1),
+    "another type": lambda: reference(3)[:40],
+}
+
+
+@pytest.mark.parametrize("bad", BAD_STATES)
+def test_controller_and_governor_refuse_bad_states(ros: Any, bad: str) -> None:
+    controller = started(ros.add(ControllerNode()))
+    governor = started(ros.add(GovernorNode()))
+    for node in (controller, governor):
+        node._on_state(state(2))
+        node._on_state(BAD_STATES[bad]())
+        assert node.refused == 1
+    assert controller._state.step == 2
+    assert governor._step == 2
+    governor._on_state(state(3))  # life goes on
+    assert governor._step == 3
+    assert governor.refused == 1
+
+
+@pytest.mark.parametrize("bad", ["NaN", "mirrored", "old"])
+def test_controller_refuses_bad_references(ros: Any, bad: str) -> None:
+    controller = started(ros.add(ControllerNode()))
+    controller._on_reference(reference(2))
+    data = {
+        "NaN": lambda: with_nan(reference(3), AttitudeReference, "attitude"),
+        "mirrored": lambda: reference(3, MIRROR),
+        "old": lambda: reference(1),
+    }[bad]()
+    controller._on_reference(data)
+    assert controller.refused == 1
+    assert controller._reference_step == 2
+
+
+def test_governor_refuses_a_bad_target(ros: Any) -> None:
+    governor = started(ros.add(GovernorNode()))
+    before = governor._governor.target
+    governor._on_target(reference(0, MIRROR))
+    assert governor.refused == 1
+    assert governor._governor.target is before
+    turned = lie.exp(np.array([0.0, 0.1, 0.0]))
+    governor._on_target(reference(0, turned))
+    assert np.array_equal(governor._governor.target, turned)
+
+
+def test_plant_refuses_bad_torques(ros: Any) -> None:
+    plant = ros.add(PlantNode())
+    started(plant)
+    plant._awaited.clear()
+    plant._pace.begin(0.0)
+    good = TorqueCommand(step=0)
+    good.torque.x = 0.01
+    bad = TorqueCommand(step=0, source=9)
+    nan = TorqueCommand(step=0)
+    nan.torque.y = math.nan
+    for message in (bad, nan, TorqueCommand(step=5)):
+        plant._on_torque(serialize_message(message))
+    assert plant.refused == 3
+    assert plant.step == 0
+    plant._on_torque(serialize_message(good))
+    assert plant.step == 1
+    plant._on_torque(serialize_message(good))  # the same once more: no harm, no step
+    assert plant.step == 1
+    assert plant.refused == 3
+
+
+def test_a_repeated_state_is_answered_by_the_same_bytes(ros: Any) -> None:
+    controller = started(ros.add(ControllerNode()))
+    sent: list[bytes] = []
+    controller._publish_torque = sent.append
+    controller._on_reference(reference(0))
+    controller._on_state(state(0))
+    controller._on_state(state(0))
+    assert len(sent) == 2
+    assert sent[0] == sent[1]
+
+
+def test_the_controller_waits_for_its_tick(ros: Any) -> None:
+    controller = started(ros.add(ControllerNode()))
+    sent: list[bytes] = []
+    controller._publish_torque = sent.append
+    controller._on_state(state(4))
+    controller._on_reference(reference(4))
+    assert sent == []
+    controller._due = 4
+    controller._answer_if_due()
+    assert len(sent) == 1
