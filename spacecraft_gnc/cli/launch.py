@@ -40,6 +40,7 @@ DurationOption = Annotated[
     float | None, typer.Option("--duration", metavar="S", help="Replaces plant.duration [s].")
 ]
 ComposedOption = Annotated[bool, typer.Option("--composed", help="All nodes in one process.")]
+_SHARES = {"median": 0.5, "p99": 0.99, "max": 1.0}
 NoRecordOption = Annotated[bool, typer.Option("--no-record", help="Fly without the recorder.")]
 
 
@@ -83,16 +84,17 @@ def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -
     if as_json:
         print_json(metrics)
         return
-    from spacecraft_gnc.cli.simulate import _rows
+    from spacecraft_gnc.cli.simulate import summary_rows
 
     speed = outcome.simulated_time / outcome.wall_time if outcome.wall_time else 0.0
     print(
         f"{plan.scenario.path}: flown in {outcome.wall_time:.3g} s, {speed:.3g} times real time, "
         f"{outcome.steps / outcome.wall_time:.0f} steps/s"
     )
-    rows = _rows(metrics) if outcome.bags else []
+    rows = summary_rows(metrics) if outcome.bags else []
     if plan.scenario.plant.mode == "free_run":
-        rows.append(("deadlines missed", str(outcome.missed_deadlines)))
+        rows += [("state to torque", _latency(metrics))] if outcome.bags else []
+        rows.append(("deadlines missed", f"{outcome.missed_deadlines} of {outcome.steps}"))
     rows += [("restarted", name) for name in outcome.restarts]
     rows += [("recorded in", bag) for bag in outcome.bags]
     print_table([*rows, ("logs", str(plan.logs))])
@@ -102,10 +104,17 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
     """Return the summary of the run; from the bag, if there is one."""
     summary: dict[str, Any] = {"scenario": str(plan.scenario.path)}
     if outcome.bags:
+        from numpy import quantile
+
         from spacecraft_gnc.analysis.metrics import summarize
         from spacecraft_gnc.recording.reader import read_flight
+        from spacecraft_gnc.recording.timing import read_latencies
 
         summary |= summarize(read_flight(outcome.bags[0]).trajectory, plan.scenario)
+        latencies = read_latencies(outcome.bags[0])
+        for name, share in _SHARES.items():
+            known = latencies.size > 0
+            summary[f"latency_{name}"] = float(quantile(latencies, share)) if known else None
     return summary | {
         "mode": plan.scenario.plant.mode,
         "domain_id": outcome.domain_id,
@@ -117,3 +126,10 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         "bags": list(outcome.bags),
         "logs": plan.logs,
     }
+
+
+def _latency(m: dict[str, Any]) -> str:
+    if m["latency_median"] is None:
+        return "-"
+    median, p99, longest = (1e3 * m[f"latency_{name}"] for name in _SHARES)
+    return f"{median:.2f} ms median, {p99:.2f} ms 99 %, {longest:.2f} ms longest"

@@ -73,7 +73,7 @@ def simulate(
         print_json({**metrics, "out": out})
     else:
         print(f"{scenario}: flown in {wall_time:.3g} s")
-        print_table(_rows(metrics))
+        print_table(summary_rows(metrics))
         if out is not None:
             print(f"  written to {out}")
 
@@ -150,7 +150,8 @@ def _progress(silent: bool) -> Iterator[Progress | None]:
         yield update
 
 
-def _rows(m: dict[str, Any]) -> list[tuple[str, str]]:
+def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return the lines of a flight's summary, label and text."""
     settled = [(f"under {x} deg for good", m[f"settle_time_{x}deg"]) for x in ("5", "1", "0.1")]
     iterations = f"{_text(m['iterations_median'], 3)} median, {_text(m['iterations_max'], 3)} most"
     sources = ", ".join(f"{name} {count}" for name, count in m["sources"].items())

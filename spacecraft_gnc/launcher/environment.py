@@ -14,6 +14,9 @@ SUPERVISED: Final = "SPACECRAFT_GNC_SUPERVISED"
 _LARGEST_DOMAIN = 232  # UDP ports end at 65535
 _DISCOVERY_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
+# A process killed while it holds a lock in shared memory can block those that share it, and leaves
+# its segments behind; on the loopback device UDP was measured to be as fast.
+_TRANSPORTS = ("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
 _PROFILE_FILE = Path(__file__).parent.parent / "nodes" / "fastdds_profile.xml"
 # The ROS wheels set both or neither; a process with the first alone cannot import rclpy.
 _BOOTSTRAPPED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
@@ -21,8 +24,9 @@ _LIBRARY_PATH = "LD_LIBRARY_PATH"
 
 
 def prepare(environment: MutableMapping[str, str]) -> None:
-    """Keep a process of ours on this machine and quick to be discovered, unless told otherwise."""
+    """Keep a process of ours on this machine and easy to find and to kill, unless told otherwise."""
     environment.setdefault(_DISCOVERY_RANGE, "LOCALHOST")
+    environment.setdefault(*_TRANSPORTS)
     if not any(name in environment for name in _PROFILES):
         environment[_PROFILES[0]] = str(_PROFILE_FILE)
 

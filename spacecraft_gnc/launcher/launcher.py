@@ -16,7 +16,6 @@ from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused, 
 from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
 from spacecraft_gnc.launcher.progress import Display
-from spacecraft_gnc.launcher.shared_memory import remove_orphans
 
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
     from spacecraft_gnc.nodes._supervisor import Supervisor
@@ -111,8 +110,6 @@ class Launcher:
         finally:
             self._end()
             self.display.close()
-            if any((p.exit_code or 0) < 0 for p in self._processes.values()):
-                remove_orphans()
 
     def _start(self, name: str, *, autostart: bool) -> None:
         module = "composed" if name == COMPOSED else name
@@ -159,11 +156,11 @@ class Launcher:
         restarts = self._restarts.count(name)
         if not self.plan.restart or name == PLANT or step < 0 or restarts >= _MOST_RESTARTS:
             raise self._death(process, step)
+        process.join(0.0)
         self.display.note(f"{process.describe_end()}; starting it again")
         self._restarts.append(name)
         if name == RECORDER:
             self._bags.append(self.plan.out / f"bag-{len(self._bags) + 1}")
-        remove_orphans()
         self._start(name, autostart=True)
 
     def _end(self) -> None:

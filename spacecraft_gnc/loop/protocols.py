@@ -7,10 +7,12 @@ components; torque and angular momentum are in the body frame.
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.types import GovernorDecision, Invariants, Matrix3, Reference, State, Vector3
+
+if TYPE_CHECKING:  # a governor or a recorder needs no solver, whose kernels take long to import
+    from spacecraft_gnc.ocp.solution import Solution
 
 __all__ = [
     "Command",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
@@ -33,8 +33,10 @@ from spacecraft_gnc.loop.protocols import (
 )
 from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.nodes._topics import BODY_FRAME, INERTIAL_FRAME
-from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.types import Vector3
+
+if TYPE_CHECKING:  # the governor and the recorder need no solver
+    from spacecraft_gnc.ocp.solution import Solution
 
 _NS_PER_S = 1_000_000_000
 _INERTIAL = Header(frame_id=INERTIAL_FRAME)

@@ -33,8 +33,8 @@ _LAST_WORDS = Duration(seconds=1)  # wall time granted to readers that have not 
 class GncNode(LifecycleNode):
     """A lifecycle node around one core.
 
-    Subclasses fill in `build`, `open`, `start` and `stop`. These may raise `GncError`, which refuses
-    the transition with its message; what has to be given back they hand to `on_close`.
+    Subclasses fill in `build`, `open`, `start` and `stop`. These may raise `GncError`, which
+    refuses the transition with its message; what has to be given back they hand to `on_close`.
     """
 
     ROLE: ClassVar[str]
@@ -125,8 +125,12 @@ class GncNode(LifecycleNode):
 
     def _activate(self) -> None:
         self._called = False
-        self.start()
         self.active = True
+        try:
+            self.start()
+        except BaseException:
+            self.active = False
+            raise
         self._call_roll()
 
     def _deactivate(self) -> None:

@@ -98,15 +98,13 @@ def _descriptor(spec: ParameterSpec) -> ParameterDescriptor:
         read_only=spec.read_only,
         dynamic_typing=spec.kind is Kind.DYNAMIC,
     )
-    bounds = [b for b in (spec.minimum, spec.above, spec.maximum, spec.below) if b is not None]
-    if not bounds:
+    low, high = spec.lowest, spec.highest
+    if low is None and high is None:
         return descriptor
-    # ROS 2 ranges include their ends; the checks of the scenario know better.
-    low = next((b for b in (spec.minimum, spec.above) if b is not None), -_RANGE_END)
-    high = next((b for b in (spec.maximum, spec.below) if b is not None), _RANGE_END)
     if spec.kind is Kind.DOUBLE:
-        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+        ends = (-_RANGE_END if low is None else low, _RANGE_END if high is None else high)
+        descriptor.floating_point_range = [FloatingPointRange(from_value=ends[0], to_value=ends[1])]
     elif spec.kind is Kind.INTEGER:
-        ends = (int(max(low, -(2**63))), int(min(high, 2**63 - 1)))
-        descriptor.integer_range = [IntegerRange(from_value=ends[0], to_value=ends[1], step=1)]
+        whole = (-(2**63) if low is None else int(low), 2**63 - 1 if high is None else int(high))
+        descriptor.integer_range = [IntegerRange(from_value=whole[0], to_value=whole[1], step=1)]
     return descriptor

@@ -18,9 +18,12 @@ from pathlib import Path
 from typing import Any
 
 import rclpy
+from rclpy.exceptions import InvalidHandle
 from rclpy.executors import Executor
 from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
+from rclpy.logging import get_logger
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
@@ -30,6 +33,7 @@ from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._params import given_parameters, parameter_files
 
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
+_RCLError = rclpy_implementation.RCLError  # has no public name
 _DRAIN_ROUNDS = 50  # looks at an empty queue before it counts as empty
 _AUTOSTART = "autostart"
 
@@ -132,13 +136,27 @@ def _start(nodes: Sequence[GncNode]) -> None:
 
 def _spin(executor: Executor, nodes: Sequence[GncNode], stop: _StopRequest) -> None:
     while not stop and not any(node.finished for node in nodes):
-        executor.spin_once(timeout_sec=_SPIN)
+        _spin_once(executor, _SPIN)
+
+
+def _spin_once(executor: Executor, timeout: float) -> None:
+    """Handle one event, if one comes."""
+    try:
+        executor.spin_once(timeout_sec=timeout)
+    except InvalidHandle:
+        pass  # an event of an endpoint that was destroyed meanwhile: nobody waits for it
+    except _RCLError as error:  # such as a transition that the life cycle does not know
+        get_logger("spacecraft_gnc").warning(f"a request was refused: {error}")
 
 
 def _end(executor: Executor, nodes: Sequence[GncNode]) -> None:
     """Shut the nodes down, last first, so that the recorder hears the last words of all."""
     for node in reversed(nodes):
         _drain(executor, node)
+        if node.active:
+            node.trigger_deactivate()
+            _drain(executor, nodes[0])
+    for node in reversed(nodes):
         node.trigger_shutdown()
 
 
@@ -155,4 +173,4 @@ def _drain(executor: Executor, node: GncNode) -> None:
     while handled != node.progress():
         handled = node.progress()
         for _ in range(_DRAIN_ROUNDS):
-            executor.spin_once(timeout_sec=0.0)
+            _spin_once(executor, 0.0)

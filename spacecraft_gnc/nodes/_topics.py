@@ -73,6 +73,11 @@ class Topic(NamedTuple):
     qos: QoSProfile = STREAM
     recorded: bool = True
 
+    @property
+    def is_latched(self) -> bool:
+        """Whether a late joiner gets the last messages."""
+        return bool(self.qos.durability == DurabilityPolicy.TRANSIENT_LOCAL)
+
     def is_recorded(self, wanted: Collection[str]) -> bool:
         """Whether a recorder asked for topics ``wanted`` (empty: all) takes this one."""
         names = {name.strip("/") for name in wanted}

@@ -134,8 +134,10 @@ class ControllerNode(GncNode):
 
     def _report(self) -> None:
         """Publish what a progress display shows."""
+        if not self.active:
+            return
         state, reference, command = self._state, self._reference, self._command
-        if not self.active or state is None or reference is None or command is None:
+        if state is None or reference is None or command is None:
             return
         solve_time = command.solution.solve_time if command.solution else math.nan
         values = {

@@ -51,6 +51,7 @@ class RecorderNode(GncNode):
         self.on_close(self._finish_bag)
         self._written = 0
         self._now = _NOT_YET
+        self._early: dict[str, tuple[Callable[[bytes], None], bytes]] = {}
         self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(scenario))
 
     def open(self) -> None:
@@ -60,9 +61,16 @@ class RecorderNode(GncNode):
             if topic.is_recorded(wanted):
                 name = self.resolve_topic_name(topic.name)
                 announce(self._bag, name, topic)
-                self.listen(topic, self._writer(topic, name), RECORD)
+                qos = topic.qos if topic.is_latched else RECORD
+                self.listen(topic, self._writer(topic, name), qos)
         self._publish_recorded = self.advertise(RECORDED).publish
         self.every(FLUSH_PERIOD, self._flush)
+
+    def start(self) -> None:
+        """Record what is latched and came early."""
+        for record, data in self._early.values():
+            record(data)
+        self._early.clear()
 
     def progress(self) -> int:
         """Messages written."""
@@ -89,8 +97,12 @@ class RecorderNode(GncNode):
 
         def record(data: bytes) -> None:
             nonlocal last
-            if data == last or not self.active:
+            if data == last:
                 return  # a repeat after a stall
+            if not self.active:
+                if topic.is_latched:
+                    self._early[name] = (record, data)
+                return
             last = data
             try:
                 stamp = max(self._now, 0) if time_of is None else time_of(data)

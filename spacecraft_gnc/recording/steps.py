@@ -19,12 +19,14 @@ REFERENCE: Final = "attitude_reference"
 TORQUE: Final = "torque_command"
 SOLVER_STATUS: Final = "solver_status"
 INVARIANTS: Final = "plant_invariants"
+WALL_TIMING: Final = "wall_timing"
 TYPES: Final[Mapping[str, str]] = {
     STATE: f"{PACKAGE}/msg/AttitudeState",
     REFERENCE: f"{PACKAGE}/msg/AttitudeReference",
     TORQUE: f"{PACKAGE}/msg/TorqueCommand",
     SOLVER_STATUS: f"{PACKAGE}/msg/SolverStatus",
     INVARIANTS: f"{PACKAGE}/msg/PlantInvariants",
+    WALL_TIMING: f"{PACKAGE}/msg/WallTiming",
 }
 """Type of each topic of a flight, by the last part of its name."""
 _UNIQUE: Final = (STATE, INVARIANTS)

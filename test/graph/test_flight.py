@@ -42,9 +42,9 @@ def payloads(bag: Path) -> dict[str, list[bytes]]:
         for connection, _, data in reader.messages():
             if connection.topic == "/wall_timing":
                 continue
-            if connection.topic == "/solver_status":
-                data = bytes(data)[:-16]  # wall_solve_time and wall_deadline_slack come last
-            found[connection.topic].append(bytes(data))
+            # wall_solve_time and wall_deadline_slack come last
+            end = -16 if connection.topic == "/solver_status" else None
+            found[connection.topic].append(bytes(data)[:end])
     return dict(found)
 
 

@@ -1,0 +1,37 @@
+"""How long the graph took from a state to its torque, as the plant saw it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from spacecraft_gnc.recording.bag import open_bag
+from spacecraft_gnc.recording.steps import WALL_TIMING, read_steps
+from spacecraft_gnc.types import Array
+
+
+def read_latencies(path: Path | str, *, namespace: str | None = None) -> Array:
+    """Return the wall times [s] from a state to its torque, of the torques that came in time.
+
+    Parameters
+    ----------
+    path
+        Bag folder or .mcap file.
+    namespace
+        Of the spacecraft, where the bag holds several.
+
+    Returns
+    -------
+    (n,) array
+        In the order of the steps: of every step in free run, of a few a second in lockstep.
+
+    Raises
+    ------
+    RecordingError
+        If there is no readable bag.
+    """
+    with open_bag(path) as bag:
+        messages = read_steps(bag, [WALL_TIMING], namespace)[WALL_TIMING].messages
+    latencies = np.array([messages[step].wall_latency for step in sorted(messages)])
+    return np.asarray(latencies[np.isfinite(latencies)], dtype=np.float64)
