@@ -24,7 +24,7 @@ _LIBRARY_PATH = "LD_LIBRARY_PATH"
 
 
 def prepare(environment: MutableMapping[str, str]) -> None:
-    """Keep a process of ours on this machine and easy to find and to kill, unless told otherwise."""
+    """Keep a process of ours on this machine, and easy to find and to kill, unless told not to."""
     environment.setdefault(_DISCOVERY_RANGE, "LOCALHOST")
     environment.setdefault(*_TRANSPORTS)
     if not any(name in environment for name in _PROFILES):
