@@ -60,7 +60,9 @@ def test_a_signal_ends_the_run_in_order(graph: Any, at: Any, number: int) -> Non
 @pytest.mark.parametrize("name", ["nmpc_controller", "reference_governor", "recorder"])
 def test_a_killed_node_is_restarted_where_asked(graph: Any, at: Any, name: str) -> None:
     display = at(EARLY, kill(name))
-    out = graph.fly("plant.duration=800.0", "launcher.on_node_death=restart", display=display)
+    patient = "plant.command_timeout=120.0"  # a busy machine may take long to start a process
+    changes = ("plant.duration=800.0", "launcher.on_node_death=restart", patient)
+    out = graph.fly(*changes, display=display)
     assert graph.outcome.restarts == (name,)
     assert "SIGKILL" in display.notes[0]
     assert graph.exit_codes == dict.fromkeys(graph.exit_codes, 0)
