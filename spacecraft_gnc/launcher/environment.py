@@ -14,21 +14,30 @@ SUPERVISED: Final = "SPACECRAFT_GNC_SUPERVISED"
 _LARGEST_DOMAIN = 232  # UDP ports end at 65535
 _DISCOVERY_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
-# A process killed while it holds a lock in shared memory can block those that share it, and leaves
-# its segments behind; on the loopback device UDP was measured to be as fast.
-_TRANSPORTS = ("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
-_PROFILE_FILE = Path(__file__).parent.parent / "nodes" / "fastdds_profile.xml"
+_TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
+_FOLDER = Path(__file__).parent.parent / "nodes"
+_ON_THIS_MACHINE = _FOLDER / "fastdds_profile.xml"
+_FARTHER = _FOLDER / "fastdds_discovery.xml"
 # The ROS wheels set both or neither; a process with the first alone cannot import rclpy.
 _BOOTSTRAPPED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 _LIBRARY_PATH = "LD_LIBRARY_PATH"
 
 
 def prepare(environment: MutableMapping[str, str]) -> None:
-    """Keep a process of ours on this machine, and easy to find and to kill, unless told not to."""
-    environment.setdefault(_DISCOVERY_RANGE, "LOCALHOST")
-    environment.setdefault(*_TRANSPORTS)
-    if not any(name in environment for name in _PROFILES):
-        environment[_PROFILES[0]] = str(_PROFILE_FILE)
+    """Keep a process of ours on this machine, and easy to find and to kill, unless told not to.
+
+    rmw_fastrtps forces shared memory upon the range LOCALHOST, whatever a profile says. Shared
+    memory does not survive a kill (see ``fastdds_profile.xml``), so the loopback device is asked
+    for by a profile, and the range left to it.
+    """
+    if any(environment.get(name) for name in _PROFILES):
+        environment.setdefault(_DISCOVERY_RANGE, "LOCALHOST")
+    elif environment.get(_DISCOVERY_RANGE, "LOCALHOST") == "LOCALHOST":
+        environment[_DISCOVERY_RANGE] = "SYSTEM_DEFAULT"
+        environment[_PROFILES[0]] = str(_ON_THIS_MACHINE)
+    else:
+        environment.setdefault(_TRANSPORTS, "UDPv4")
+        environment[_PROFILES[0]] = str(_FARTHER)
 
 
 def domain_id(environment: Mapping[str, str]) -> int:

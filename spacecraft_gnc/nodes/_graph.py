@@ -79,6 +79,8 @@ class GraphView:
 
     def __exit__(self, *_: object) -> None:
         """Leave the graph."""
+        self._executor.remove_node(self.node)
+        del self._executor  # it holds our callbacks, and we it: no garbage collector sees that
         self.node.destroy_node()
         rclpy.try_shutdown()
 

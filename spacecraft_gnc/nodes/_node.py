@@ -49,6 +49,8 @@ class GncNode(LifecycleNode):
         """The node has done its work; the runner ends it."""
         self.failure: Exception | None = None
         """Why the last transition was refused, or why the node cannot go on."""
+        self.runner_reports = False
+        """Whether the runner prints why a transition failed, so that the log need not."""
         self.refused = 0
         """Messages that were rejected since the node was configured."""
         self.steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -158,8 +160,9 @@ class GncNode(LifecycleNode):
             transition()
         except GncError as error:
             self.failure = error
-            for line in str(error).splitlines():
-                self.get_logger().error(line)
+            if not self.runner_reports:
+                for line in str(error).splitlines():
+                    self.get_logger().error(line)
             return TransitionCallbackReturn.FAILURE
         except Exception as error:  # noqa: BLE001 - rclpy would swallow the traceback
             self.failure = error

@@ -31,6 +31,7 @@ from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
 from spacecraft_gnc.launcher.environment import SUPERVISED, prepare
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._params import given_parameters, parameter_files
+from spacecraft_gnc.scenario import read_sections
 
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
 _RCLError = rclpy_implementation.RCLError  # has no public name
@@ -111,17 +112,23 @@ class _StopRequest:
 
 
 def _check_arguments(argv: Sequence[str]) -> None:
-    name = Path(argv[0]).name
-    for argument in remove_ros_args(list(argv))[1:]:
-        raise ScenarioError(
-            f"{name}: received {argument!r}; required ROS 2 arguments only; write {name} "
-            "--ros-args --params-file config/SCENARIO.yaml"
-        )
+    """Refuse what ROS 2 would refuse without saying where and why."""
     for file in parameter_files(argv):
-        if not file.is_file():
-            raise ScenarioError(
-                f"{file}: no such file; required a ROS 2 parameter file; check the path"
-            )
+        read_sections(file)
+    name = Path(argv[0]).name
+    remedy = f"write {name} --ros-args --params-file config/SCENARIO.yaml"
+    try:
+        surplus = remove_ros_args(list(argv))[1:]
+    except RuntimeError as error:  # the binding has several kinds, none of them public
+        reason = " ".join(str(error).split())
+        raise ScenarioError(
+            f"{name}: received ROS 2 arguments that cannot be parsed ({reason}); required "
+            f"well-formed ones; {remedy}"
+        ) from error
+    for argument in surplus:
+        raise ScenarioError(
+            f"{name}: received {argument!r}; required ROS 2 arguments only; {remedy}"
+        )
 
 
 def _start(nodes: Sequence[GncNode]) -> None:
@@ -129,9 +136,11 @@ def _start(nodes: Sequence[GncNode]) -> None:
     for node in nodes:
         if not given_parameters(node).get(_AUTOSTART, True):
             continue
+        node.runner_reports = True
         for transition in (node.trigger_configure, node.trigger_activate):
             if transition() != TransitionCallbackReturn.SUCCESS:
                 raise node.failure or LaunchError(f"{node.ROLE}: refused to start; see its log")
+        node.runner_reports = False
 
 
 def _spin(executor: Executor, nodes: Sequence[GncNode], stop: _StopRequest) -> None:

@@ -82,6 +82,8 @@ class Supervisor:
 
     def __exit__(self, *_: object) -> None:
         """Leave the graph."""
+        self._executor.remove_node(self._node)
+        del self._executor  # it holds our callbacks, and we it: no garbage collector sees that
         self._node.destroy_node()
         rclpy.try_shutdown()
 

@@ -41,6 +41,9 @@ class RecorderNode(GncNode):
 
     def build(self, scenario: Scenario) -> None:
         """Open the bag."""
+        self._written = 0
+        self._now = _NOT_YET
+        self._early: dict[str, tuple[Callable[[bytes], None], bytes]] = {}
         parameters = scenario.recorder
         folder = parameters.storage_folder or time.strftime("bags/%Y-%m-%d-%H-%M-%S")
         self._bag = BagWriter(
@@ -49,9 +52,6 @@ class RecorderNode(GncNode):
             chunk_size=parameters.chunk_size,
         )
         self.on_close(self._finish_bag)
-        self._written = 0
-        self._now = _NOT_YET
-        self._early: dict[str, tuple[Callable[[bytes], None], bytes]] = {}
         self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(scenario))
 
     def open(self) -> None:
@@ -74,7 +74,7 @@ class RecorderNode(GncNode):
 
     def progress(self) -> int:
         """Messages written."""
-        return self._written
+        return getattr(self, "_written", 0)
 
     def _finish_bag(self) -> None:
         """Close the bag, and shout if it is not complete."""

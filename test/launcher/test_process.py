@@ -57,14 +57,22 @@ def test_environment_of_a_node() -> None:
     made = environment.for_node({"_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1", "A": "b"}, 5)
     assert made["ROS_DOMAIN_ID"] == "5"
     assert made["A"] == "b"
-    assert made["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    assert made["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
-    assert Path(made["FASTRTPS_DEFAULT_PROFILES_FILE"]).is_file()
     assert "_ROS_WHEELS_BOOTSTRAP_COMPLETE" not in made  # useless without LD_LIBRARY_PATH
-    kept = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "FASTDDS_DEFAULT_PROFILES_FILE": "mine.xml"}
-    made = environment.for_node(kept, 5)
-    assert made["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
-    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in made
+
+
+def test_a_graph_stays_on_this_machine_unless_told_otherwise() -> None:
+    made = environment.for_node({}, 5)
+    profile = Path(made["FASTRTPS_DEFAULT_PROFILES_FILE"]).read_text()
+    assert "<interfaceWhiteList><address>127.0.0.1</address>" in profile
+    assert made["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SYSTEM_DEFAULT"  # the profile decides
+    assert environment.for_node(made, 5) == made
+    assert environment.for_node({"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}, 5) == made
+    farther = environment.for_node({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, 5)
+    assert farther["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert "127.0.0.1" not in Path(farther["FASTRTPS_DEFAULT_PROFILES_FILE"]).read_text()
+    own = environment.for_node({"FASTDDS_DEFAULT_PROFILES_FILE": "mine.xml"}, 5)
+    assert own["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    assert "FASTRTPS_DEFAULT_PROFILES_FILE" not in own
 
 
 def test_domain_of_an_environment() -> None:
