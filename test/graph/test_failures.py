@@ -17,6 +17,7 @@ pytestmark = pytest.mark.graph
 
 ENDLESS = "plant.duration=1000000.0"
 EARLY = 60
+SAVED = 2000  # steps, over a second of wall time: longer than a recorder keeps messages to itself
 
 
 def kill(name: str) -> Any:
@@ -32,7 +33,7 @@ def assert_whole(flight: Flight) -> None:
 @pytest.mark.parametrize("name", ["plant", "nmpc_controller", "reference_governor", "recorder"])
 def test_a_killed_node_ends_the_run(graph: Any, at: Any, name: str) -> None:
     with pytest.raises(NodeDied, match=f"{name} .* was killed by SIGKILL at step") as caught:
-        graph.fly(ENDLESS, display=at(EARLY, kill(name)))
+        graph.fly(ENDLESS, display=at(SAVED if name == "recorder" else EARLY, kill(name)))
     assert caught.value.exit_code == 1
     codes = graph.exit_codes
     assert codes.pop(name) == -signal.SIGKILL
