@@ -108,7 +108,9 @@ CASES = {
         "[0.0, 0.0, 0.1]", "[0.0, .nan, 0.1]", "plant.initial_momentum", "finite", "replace NaN"
     ),
     "infinite": Bad("duration: 4.0", "duration: .inf", "plant.duration", "finite", "infinity"),
-    "horizon 0": Bad("horizon: 5", "horizon: 0", "nmpc_controller.horizon", ">= 1", "raise it"),
+    "horizon 0": Bad(
+        "horizon: 5", "horizon: 0", "nmpc_controller.horizon", "1 to 10000", "raise it"
+    ),
     "negative time step": Bad(
         "time_step: 0.4", "time_step: -0.4", "plant.time_step", "[s], > 0", "raise it"
     ),
@@ -250,7 +252,7 @@ SETTINGS = {
     "alias": ("plant.duration=*x", "one YAML value", "quote it"),
     "nested list": ("plant.inertia=[[1.0]]", "a flat list", "row by row"),
     "wrong type": ("plant.duration=long", "a number", "without quotes"),
-    "wrong range": ("nmpc_controller.horizon=0", ">= 1", "raise it"),
+    "wrong range": ("nmpc_controller.horizon=0", "1 to 10000", "raise it"),
     "weight twice": ("nmpc_controller.weights={a: 1.0, a: 2.0}", "each key once", "delete one"),
 }
 """Argument of --set -> (text, requirement, remedy)."""

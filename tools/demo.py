@@ -27,6 +27,7 @@ IPOPT = ROOT / "test" / "data" / "gupta2015_case1_ipopt.npz"
 GNC = Path(".venv/bin/gnc")
 ROW = "  {:<28} {:>14} {:>14} {:>14}"
 PLOTTED = "plotted only"
+TITLE = ["--title", "Gupta et al. (2015), Case I"]
 
 
 def main() -> int:
@@ -36,7 +37,7 @@ def main() -> int:
     figures = folder / "figures"
     for command in (
         ["launch", str(SCENARIO), "--out", str(folder)],
-        ["plot", str(folder / "bag"), "--out", str(figures), "--format", "png", "--quiet"],
+        ["plot", str(folder / "bag"), "--out", str(figures), "--format", "png", "--quiet", *TITLE],
     ):
         print(f"\n$ gnc {' '.join(command)}", flush=True)
         code = subprocess.run(

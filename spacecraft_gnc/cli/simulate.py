@@ -167,7 +167,11 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("steps not solved", str(m["unconverged_steps"])),
         ("torque from", sources),
     ]
-    return [row for row in rows if not row[1].startswith(_NOTHING)]
+    if m["fallback_steps"]:
+        text = f"{m['fallback_steps']} of {m['steps']} steps flew on a fallback torque"
+        rows.append(("warning", text))
+    # A row without a value starts with the dash alone; a negative number is a value.
+    return [row for row in rows if row[1].split(" ")[0] != _NOTHING]
 
 
 def _limit(m: dict[str, Any]) -> str:

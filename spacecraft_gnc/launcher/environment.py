@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
-from typing import Final
+from typing import ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
 
@@ -21,6 +21,12 @@ _FARTHER = _FOLDER / "fastdds_discovery.xml"
 # The ROS wheels set both or neither; a process with the first alone cannot import rclpy.
 _BOOTSTRAPPED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 _LIBRARY_PATH = "LD_LIBRARY_PATH"
+
+
+class DomainRefused(LaunchError):
+    """ROS_DOMAIN_ID is no domain."""
+
+    exit_code: ClassVar[int] = 2
 
 
 def prepare(environment: MutableMapping[str, str]) -> None:
@@ -45,12 +51,12 @@ def domain_id(environment: Mapping[str, str]) -> int:
 
     Raises
     ------
-    LaunchError
+    DomainRefused
         ROS_DOMAIN_ID holds no admissible number.
     """
     text = environment.get(DOMAIN_ID) or "0"
     if not text.isdecimal() or int(text) > _LARGEST_DOMAIN:
-        raise LaunchError(
+        raise DomainRefused(
             f"{DOMAIN_ID}: received {text!r}; required 0 to {_LARGEST_DOMAIN}; correct or unset it"
         )
     return int(text)

@@ -63,7 +63,11 @@ class Launcher:
         Interrupted
             The user ended the launch; likewise.
         """
-        lock = self._claim_domain()
+        try:
+            lock = self._claim_domain()
+        except LaunchError:
+            self.plan.discard()
+            raise
         try:
             self._domain_id = lock.domain_id
             self._environment = environment.for_node(os.environ, lock.domain_id)

@@ -6,6 +6,7 @@ import itertools
 import os
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Final
@@ -64,6 +65,12 @@ class LaunchPlan:
     def bag(self) -> Path:
         """Folder of the bag."""
         return self.out / "bag"
+
+    def discard(self) -> None:
+        """Remove what was made for a run that was refused before it began."""
+        with suppress(OSError):  # not empty: somebody else's
+            (self.out / _SCENARIO_FILE).unlink(missing_ok=True)
+            self.out.rmdir()
 
     @property
     def logs(self) -> Path:

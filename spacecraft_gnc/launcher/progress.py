@@ -21,6 +21,7 @@ class Report(Protocol):
     wall_elapsed: float
     latency: float
     missed_deadlines: int
+    status_step: int
     attitude_error: float
     solve_time: float
 
@@ -138,7 +139,9 @@ def describe(report: Report, period: float) -> str:
     """Put a report into words."""
     simulated = max(report.step, 0) * period
     speed = simulated / report.wall_elapsed if report.wall_elapsed > 0.0 else math.nan
-    parts = [f"t = {simulated:.1f} s", _value(speed, "x real time", ".3g")]
+    # Plant and controller report in turn: quote the time that the error belongs to.
+    told = report.status_step * period if report.status_step >= 0 else simulated
+    parts = [f"t = {told:.1f} s", _value(speed, "x real time", ".3g")]
     parts.append(_value(math.degrees(report.attitude_error), "deg off", ".4g"))
     parts.append(_value(report.solve_time * 1e6, "us/solve", ".0f"))
     if report.missed_deadlines:

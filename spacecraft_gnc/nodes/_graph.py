@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 _SPIN = 0.05  # [s] wall
-_SETTLE = 0.5  # [s] wall without a change after which discovery counts as complete
-_DISCOVERY = 3.0  # [s] wall at most
+_SETTLE = 1.0  # [s] wall without a change after which discovery counts as complete
+_DISCOVERY = 8.0  # [s] wall at most
 _DEPTH = 1000
 
 
@@ -101,7 +101,7 @@ class GraphView:
         return True
 
     def discover(self) -> None:
-        """Wait until the graph has shown itself: nothing new for half a second."""
+        """Wait until the graph has shown itself: nothing new for a second."""
         seen: Any = None
         changed = time.monotonic()
 
@@ -147,7 +147,9 @@ class GraphView:
         GraphError
             There is no such topic, or nobody publishes on it.
         """
-        self.discover()
+        full_name = self.node.resolve_topic_name(topic)
+        if not self.spin_until(lambda: self._counts(full_name)[0] > 0, _SETTLE):
+            self.discover()
         info = self._find(topic)
         module, _, leaf = info.types[0].partition("/msg/")
         try:

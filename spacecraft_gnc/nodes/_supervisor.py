@@ -47,6 +47,8 @@ class Progress:
     latency: float = math.nan
     """State to torque [s]."""
     missed_deadlines: int = 0
+    status_step: int = -1
+    """Control step that attitude error and solve time belong to; -1: none."""
     attitude_error: float = math.nan
     """Angle between attitude and reference [rad]."""
     solve_time: float = math.nan
@@ -117,6 +119,7 @@ class Supervisor:
 
     def _on_status(self, message: Any) -> None:
         values = {entry.key: entry.value for entry in message.status[0].values}
+        self.progress.status_step = int(values.get("step", -1))
         self.progress.attitude_error = float(values.get("attitude_error", math.nan))
         self.progress.solve_time = float(values.get("wall_solve_time", math.nan))
 

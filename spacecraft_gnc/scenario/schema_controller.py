@@ -127,7 +127,9 @@ class ControllerParameters(NodeParameters):
         matrix=MatrixRule.INERTIA,
         may_be_empty=True,
     )
-    horizon: int = parameter(Kind.INTEGER, 5, "prediction horizon", unit="steps", minimum=1)
+    horizon: int = parameter(
+        Kind.INTEGER, 5, "prediction horizon", unit="steps", minimum=1, maximum=10_000
+    )
     max_torque: float = parameter(
         Kind.DOUBLE, 0.01, "largest norm of the torque; 0: no limit", unit="N m", minimum=0.0
     )

@@ -78,8 +78,8 @@ def test_problems_as_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
         "line": 10,
         "key": "nmpc_controller.horizon",
         "value": "0",
-        "requirement": "an integer [steps], >= 1",
-        "remedy": "raise it (>= 1)",
+        "requirement": "an integer [steps], 1 to 10000",
+        "remedy": "raise it (1 to 10000)",
     }
 
 
@@ -139,7 +139,7 @@ def test_every_command_refuses_alike(
     assert (code, out) == (2, "")
     assert err == (
         f"error: {path}:10: nmpc_controller.horizon: received 0; "
-        "required an integer [steps], >= 1; raise it (>= 1)\n"
+        "required an integer [steps], 1 to 10000; raise it (1 to 10000)\n"
     )
 
 
