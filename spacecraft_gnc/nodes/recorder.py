@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import ClassVar
 
@@ -16,6 +16,7 @@ from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._topics import (
+    PLANT,
     RECORD,
     RECORDED,
     RECORDER,
@@ -84,10 +85,18 @@ class RecorderNode(GncNode):
             self.get_logger().info(f"{self._written} messages in {self._bag.folder}")
         else:
             self._bag.abort()  # nothing that looks like a recording is left behind
-        paced = self.resolve_topic_name(WALL_TIMING.name)  # by wall time: it skips steps
-        lost = {n: count.gaps for n, count in counts.items() if count.gaps and n != paced}
+        gapless = {self.resolve_topic_name(topic.name) for topic in self._gapless()}
+        lost = {n: count.gaps for n, count in counts.items() if count.gaps and n in gapless}
         if lost:
             self.get_logger().error(f"MESSAGES LOST, the bag has gaps (steps by topic): {lost}")
+
+    def _gapless(self) -> Iterator[Topic]:
+        """Yield the topics that were published at every step, so that a gap means a loss."""
+        free_run = self.scenario.plant.mode == "free_run"
+        for topic in TOPICS:
+            # In free_run a late answer is no loss; timing is reported by wall time in lockstep.
+            if topic is not WALL_TIMING and (not free_run or PLANT in topic.publishers):
+                yield topic
 
     def _writer(self, topic: Topic, name: str) -> Callable[[bytes], None]:
         """Return the callback of one topic: the hot path, once for every message of the graph."""
