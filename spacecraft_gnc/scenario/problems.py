@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
-from spacecraft_gnc.errors import GncError, ScenarioError
+from spacecraft_gnc.errors import ScenarioError
 
-_CORE_MESSAGE = re.compile(
-    r"^[^:]+: received (?P<value>.+); required (?P<requirement>.+); (?P<remedy>[^;]+)$", re.DOTALL
-)
 _LONGEST_VALUE = 100  # characters of a value that a line shows
 _LONGEST_LIST = 8  # words that a remedy enumerates
 
@@ -52,14 +48,6 @@ class InvalidScenario(ScenarioError):
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems: tuple[Problem, ...] = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
-
-
-def from_core_error(file: str, line: int | None, key: str, error: GncError) -> Problem:
-    """Place an error of the core (``name: received A; required B; C``) in a scenario file."""
-    match = _CORE_MESSAGE.match(str(error))
-    if match is None:
-        return Problem(file, line, key, str(error), "a value the core accepts", "change it")
-    return Problem(file, line, key, match["value"], match["requirement"], match["remedy"])
 
 
 def shown(value: Any) -> str:
