@@ -173,6 +173,33 @@ def as_semidefinite(name: str, value: ArrayLike) -> Matrix3:
     return weight
 
 
+def as_actuators(value: ArrayLike | None) -> Array:
+    """Return the actuator matrix (3, m) of torque = B u, read-only; the identity for None.
+
+    Raises
+    ------
+    ShapeError
+        If it has not 3 rows.
+    ParameterError
+        If a number is NaN or infinite, or an actuator (a column) gives no torque.
+    """
+    if value is None:
+        return read_only(np.eye(3))
+    array = _as_float("actuators", value, "a 3 x m matrix")
+    if array.ndim != 2 or array.shape[0] != 3 or array.shape[1] < 1:
+        raise ShapeError(
+            f"actuators: received an array of shape {array.shape}; required (3, m), one column of "
+            "torque for each actuator; check the row order"
+        )
+    matrix = _checked("actuators", array, array.shape, "a 3 x m matrix")
+    for i in np.flatnonzero(np.abs(matrix).max(axis=0) == 0.0):
+        raise ParameterError(
+            f"actuators: received a column {i} of zeros; required a torque from each actuator; "
+            "remove the column"
+        )
+    return matrix
+
+
 def unit_vector(name: str, value: ArrayLike) -> Vector3:
     """Return ``value`` normalised, as a read-only array of shape (3,).
 

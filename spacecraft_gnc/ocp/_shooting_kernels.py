@@ -1,7 +1,7 @@
 """Kernels of indirect single shooting on the conditions (31)-(45) of Gupta 2015; see `shooting`.
 
-Arrays of one horizon: R (N+1,3,3), Pi (N+1,3), u (N,3), lam (N,6) = (lam1, lam2), W (N, WORK) with
-F (9), M (9), p = F^T Pi (3), sigma (1) of each stage. ``track`` (2,3,3) holds Q1 R_ref, P1 R_ref.
+Arrays of one horizon: R (N+1,3,3), Pi (N+1,3), u (N,3) torques, lam (N,6) = (lam1, lam2), and the
+stages' work W of `_stage_kernels`. ``track`` (3,3,3) holds Q1 R_ref, P1 R_ref, R_ref.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from spacecraft_gnc.dynamics._lgvi_kernels import (
     relative_quaternion,
     rotate_back,
     rotate_rows,
-    rotation_of,
 )
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
@@ -24,8 +23,6 @@ from spacecraft_gnc.lie._mat3_kernels import (
     load3,
     load9,
     load9_flat,
-    load9_rows,
-    mat_add,
     mat_scale,
     mat_t_mat,
     mat_t_vec,
@@ -33,13 +30,26 @@ from spacecraft_gnc.lie._mat3_kernels import (
     scale,
     store3,
     store9,
-    store9_flat,
     sub,
     trace_minus,
     transpose,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._newton_kernels import (
+    BACKTRACKING,
+    CHORD,
+    CONTRACTION,
+    CONVERGED,
+    DAMPED,
+    LINE_SEARCH_FAILED,
+    MAX_ITERATIONS,
+    NOT_FINITE,
+    SINGULAR,
+    SUFFICIENT_DECREASE,
+    UNSOLVABLE_STEP,
+)
 from spacecraft_gnc.ocp._stage_kernels import (
+    A_AT,
     M_AT,
     P_AT,
     S_P2,
@@ -52,16 +62,9 @@ from spacecraft_gnc.ocp._stage_kernels import (
     control_sensitivity,
     costate_curvature,
     data9,
-    horizon_cost,
-    momentum_map,
-    set_track,
 )
+from spacecraft_gnc.ocp._sweep_kernels import store_stage
 
-# Statuses, equal to ocp.Status.
-CONVERGED, MAX_ITERATIONS, LINE_SEARCH_FAILED, UNSOLVABLE_STEP, NOT_FINITE, SINGULAR = range(6)
-BAD_STATE, BAD_REFERENCE = -1, -2
-ROTATION_ERROR_SQUARED = 1e-12  # square of types.ROTATION_TOLERANCE
-SUFFICIENT_DECREASE = 1e-4
 SMALLEST_STEP = 2.0**-24
 
 
@@ -81,22 +84,18 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
         if not ok:
             return UNSOLVABLE_STEP, zero, zero
         p = rotate_back(q0, q, Pi_k)
+        store_stage(h, Jd, W, k, q0, q, p)
         if k > 0:
-            F = rotation_of(q0, q)
-            M, det = momentum_map(h, Jd, F)
-            l1 = mat_t_vec(F, add(l1, attitude_gradient(h, B, zones, R_k)))
-            # C = F - M^T hat(p) = (F^T + hat(p) M)^T
-            C_inverse, det_C = inverse(mat_add(F, transpose(hat_mat(p, M))))
-            if det == 0.0 or det_C == 0.0:
+            F, M = load9_flat(W, k), load9_flat(W, k, M_AT)
+            l1 = mat_t_vec(F, add(l1, attitude_gradient(h, B, zones, R_k)[0]))
+            C_inverse, det = inverse(transpose(load9_flat(W, k, A_AT)))  # C = F - M^T hat(p) = A^T
+            if det == 0.0:
                 return SINGULAR, zero, zero
             rhs = sub(add(l2, scale(h, mat_vec(S2, Pi_k))), mat_t_vec(M, l1))
             l2 = mat_vec(C_inverse, rhs)
             store3(lam, k, l1)
             store3(lam, k, l2, 3)
-            store9_flat(W, k, F)
-            store9_flat(W, k, M, M_AT)
-            store3(W, k, p, P_AT)
-        u_k, sigma = control(data, l2)
+        u_k, sigma = control(data, l2, W, k)
         W[k, SIGMA_AT] = sigma
         store3(u, k, u_k)
         R_k = rotate_rows(q0, q, R_k)
@@ -109,10 +108,11 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
 
 
 @kernel
-def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E):
+def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimated):
     """Derivative of the residual (44) to (lam1_0, lam2_0) by (39)-(45) into E (6,6).
 
     T (6, 12) carries, for each unknown, (eta, delta Pi, delta lam1, delta lam2) along the horizon.
+    ``estimated``: with (40) of Bagherzadeh et al. for delta u.
     """
     N = u.shape[0]
     h = data[H]
@@ -122,19 +122,19 @@ def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E):
         for i in range(12):
             T[j, i] = 0.0
         T[j, 6 + j] = 1.0
-    hU = mat_scale(h, control_sensitivity(data, load3(u, 0), W[0, SIGMA_AT]))
+    hU = mat_scale(h, control_sensitivity(data, W, 0, estimated))
     for j in range(6):
         store3(T, j, mat_vec(hU, load3(T, j, 9)), 3)
     for k in range(1, N):
         F, M = load9_flat(W, k), load9_flat(W, k, M_AT)
         p = load3(W, k, P_AT)
         l1, l2 = load3(lam, k), load3(lam, k, 3)
-        A = mat_add(transpose(F), hat_mat(p, M))
+        A = load9_flat(W, k, A_AT)
         C_inverse, _ = inverse(transpose(A))
         G = attitude_hessian(h, load9(track, 0), zones, load9(R, k))
         D = hat_mat(l1, M)
         Z = costate_curvature(h, S2, Jd, F, M, A, l1, l2, p)
-        hU = mat_scale(h, control_sensitivity(data, load3(u, k), W[k, SIGMA_AT]))
+        hU = mat_scale(h, control_sensitivity(data, W, k, estimated))
         for j in range(6):
             eta, d_Pi = load3(T, j), load3(T, j, 3)
             d_l1, d_l2 = load3(T, j, 6), load3(T, j, 9)
@@ -190,81 +190,87 @@ def _norm(E1, E2):
 
 
 @kernel
-def _newton(body, data, zones, track, R, Pi, u, lam, W, scratch, tolerance, max_steps):
-    """Newton with backtracking on the residual, (43); status, steps, residual norm."""
-    T, E, b = scratch[0], scratch[1], scratch[2, 0, :6]
+def _shoot(problem, horizon):
+    """Propagate; returns status, E1, E2 and the residual norm (infinite without one)."""
+    body, data, zones, track = problem
+    R, Pi, u, lam, W = horizon
     status, E1, E2 = propagate_horizon(body, data, zones, track, R, Pi, u, lam, W)
-    if status != CONVERGED:
-        return status, 0, math.inf
-    residual = _norm(E1, E2)
+    return status, E1, E2, _norm(E1, E2) if status == CONVERGED else math.inf
+
+
+@kernel
+def _direction(T, E, E1, E2):
+    """Solve E d = (E1, E2) with the Jacobian in E, which stays; returns d1, d2 and success."""
+    A, b = T[:, :6], T[0, 6:]
+    for i in range(6):
+        for j in range(6):
+            A[i, j] = E[i, j]
+    b[0], b[1], b[2] = E1
+    b[3], b[4], b[5] = E2
+    done = solve_linear(A, b)
+    return (b[0], b[1], b[2]), (b[3], b[4], b[5]), done
+
+
+@kernel
+def _move(lam, x1, x2, gamma, d1, d2):
+    store3(lam, 0, sub(x1, scale(gamma, d1)))
+    store3(lam, 0, sub(x2, scale(gamma, d2)), 3)
+
+
+@kernel
+def _step(problem, horizon, T, E, E1, E2, norm, rule, damping, good_jacobian):
+    """Change the multipliers of row 0 by (43); returns status, E1, E2, residual.
+
+    full and damped: whatever it does; backtracking: until the residual falls; a kept Jacobian
+    (``good_jacobian`` false): once, and LINE_SEARCH_FAILED where it does not contract.
+    """
+    lam = horizon[3]
+    d1, d2, done = _direction(T, E, E1, E2)
+    if not done:
+        return SINGULAR, E1, E2, norm
+    x1, x2 = load3(lam, 0), load3(lam, 0, 3)
+    gamma = damping if rule == DAMPED else 1.0
+    while gamma >= SMALLEST_STEP:
+        _move(lam, x1, x2, gamma, d1, d2)
+        status, e1, e2, new_norm = _shoot(problem, horizon)
+        searching = rule == BACKTRACKING or rule == CHORD
+        bound = (1.0 - SUFFICIENT_DECREASE * gamma) if good_jacobian else CONTRACTION
+        if not searching or (status == CONVERGED and new_norm <= bound * norm):
+            return status, e1, e2, new_norm
+        if not good_jacobian:
+            break
+        gamma *= 0.5
+    _move(lam, x1, x2, 0.0, d1, d2)  # leave the last point behind, consistent with its residual
+    _shoot(problem, horizon)
+    return LINE_SEARCH_FAILED, E1, E2, norm
+
+
+@kernel
+def newton_shooting(problem, horizon, T, E, kept, rule, damping, estimated, tolerance, max_steps):
+    """Newton on (44) from row 0 of lam; returns status, steps, residual norm.
+
+    ``kept`` (2,): whether E (6, 6) holds the Jacobian of an earlier point, for the chord.
+    """
+    body, data, zones, track = problem
+    R, Pi, u, lam, W = horizon
+    status, E1, E2, norm = _shoot(problem, horizon)
     for steps in range(max_steps + 1):
-        if residual <= tolerance:
-            return CONVERGED, steps, residual
-        if not math.isfinite(residual):
-            return NOT_FINITE, steps, residual
+        if status != CONVERGED:
+            return status, steps, norm
+        l2 = load3(lam, 0, 3)
+        if norm <= tolerance * (1.0 + math.sqrt(dot(l2, l2))):
+            return CONVERGED, steps, norm
+        if not math.isfinite(norm):
+            return NOT_FINITE, steps, norm
         if steps == max_steps:
             break
-        shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E)
-        b[0], b[1], b[2] = E1
-        b[3], b[4], b[5] = E2
-        if not solve_linear(E[:, :6], b):
-            return SINGULAR, steps, residual
-        x1, x2 = load3(lam, 0), load3(lam, 0, 3)
-        gamma = 1.0
-        while True:
-            store3(lam, 0, sub(x1, scale(gamma, (b[0], b[1], b[2]))))
-            store3(lam, 0, sub(x2, scale(gamma, (b[3], b[4], b[5]))), 3)
-            status, E1, E2 = propagate_horizon(body, data, zones, track, R, Pi, u, lam, W)
-            norm = _norm(E1, E2)
-            if status == CONVERGED and norm <= (1.0 - SUFFICIENT_DECREASE * gamma) * residual:
-                break
-            gamma *= 0.5
-            if gamma < SMALLEST_STEP:  # leave the last point behind, consistent with its residual
-                store3(lam, 0, x1)
-                store3(lam, 0, x2, 3)
-                propagate_horizon(body, data, zones, track, R, Pi, u, lam, W)
-                return LINE_SEARCH_FAILED, steps, residual
-        residual = norm
-    return MAX_ITERATIONS, max_steps, residual
-
-
-@kernel
-def _is_rotation(R):
-    """Whether |R^T R - I|_F^2 is small and det R > 0; false for NaN."""
-    S = mat_t_mat(R, R)
-    error = 0.0
-    for i in range(9):
-        e = S[i] - (1.0 if i % 4 == 0 else 0.0)
-        error += e * e
-    return error <= ROTATION_ERROR_SQUARED and inverse(R)[1] > 0.0
-
-
-@kernel
-def solve_shooting(
-    body, data, zones, inputs, R, Pi, u, lam, W, track, scratch, tolerance, max_steps
-):
-    """Solve from ``inputs`` (9, 3), rows R, Pi, R_ref, lam1, lam2; fills the horizon's arrays.
-
-    ``scratch`` (3, 6, 12) is work space. Returns status (negative: input refused), Newton steps,
-    residual norm, cost and the largest |u|^2.
-    """
-    R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
-    if not _is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
-        return BAD_STATE, 0, math.nan, math.nan, math.nan
-    if not _is_rotation(R_ref):
-        return BAD_REFERENCE, 0, math.nan, math.nan, math.nan
-    set_track(data, R_ref, track)
-    store9(R, 0, R_0)
-    store3(Pi, 0, Pi_0)
-    store3(lam, 0, load3(inputs, 7))
-    store3(lam, 0, load3(inputs, 8), 3)
-    status, steps, residual = _newton(
-        body, data, zones, track, R, Pi, u, lam, W, scratch, tolerance, max_steps
-    )
-    if not math.isfinite(residual):
-        return status, steps, residual, math.nan, math.nan
-    largest = 0.0
-    for k in range(u.shape[0]):
-        u_k = load3(u, k)
-        largest = max(largest, dot(u_k, u_k))
-    return status, steps, residual, horizon_cost(data, zones, track, R, Pi, u, W), largest
+        if rule == CHORD and kept[0] == 1:
+            status, E1, E2, norm = _step(
+                problem, horizon, T, E, E1, E2, norm, rule, damping, False
+            )
+            if status == CONVERGED:
+                continue
+        shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimated)
+        kept[0] = 1
+        status, E1, E2, norm = _step(problem, horizon, T, E, E1, E2, norm, rule, damping, True)
+    return MAX_ITERATIONS, max_steps, norm

@@ -34,14 +34,20 @@ from spacecraft_gnc.lie._mat3_kernels import (
     vee_antisymmetric,
 )
 
-# Offsets into ``data``; S = (tr(Q) I - Q)/2 turns |Q^(1/2) hat(a)|_F^2 / 2 into a . S a.
+# Offsets into ``data``; S = (tr(Q) I - Q)/2 turns |Q^(1/2) hat(a)|_F^2 / 2 into a . S a. The m
+# controls are counted in the eigenvectors V of their weight S3 = V diag(d) V^T: z = V^T u, and
+# torque = G^T z with the rows of G = V^T B^T. From D_U on stand d (m), then G (m x 3).
 H, ALPHA, MU0 = 0, 1, 2
-Q1, P1, S_Q2, S_P2, V_Q3, D_Q3 = 3, 12, 21, 30, 39, 48
-DATA_SIZE = 51
-# Offsets into a row of the work array W: F first, then M, p = F^T Pi, sigma.
-WORK, M_AT, P_AT, SIGMA_AT = 22, 9, 18, 21
+Q1, P1, S_Q2, S_P2, M_U, D_U = 3, 12, 21, 30, 39, 40
+# Offsets into a row of the work array W: F, M, A = F^T + hat(p) M, p = F^T Pi, sigma, then z.
+M_AT, A_AT, P_AT, SIGMA_AT, Z_AT = 9, 18, 27, 30, 31
 # Columns of a row of ``zones``: body axis v, inertial axis d, cosine, sign (+1 exclusion), weight.
 ZONE_SIZE = 9
+
+
+def work_size(m):
+    """Columns of W for m controls."""
+    return Z_AT + m
 
 
 @kernel
@@ -60,63 +66,98 @@ def quadratic(S, x):
 
 
 @kernel
-def control(data, lam2):
-    """Solve (38), (S3 + sigma I) u = lam2 with sigma = 2 mu0 max(0, |u|^2 - alpha); (u, sigma)."""
-    V = data9(data, V_Q3)
-    d0, d1, d2 = data[D_Q3], data[D_Q3 + 1], data[D_Q3 + 2]
+def _secular(data, W, k, sigma):
+    """Find sigma >= 0 with |z|^2 = alpha + sigma / (2 mu0), z_i = y_i / (d_i + sigma), y in W.
+
+    Newton on 1/|z| = 1/sqrt(alpha + sigma/(2 mu0)): nearly linear, and free of cancellation.
+    """
     alpha, mu0 = data[ALPHA], data[MU0]
-    y = mat_t_vec(V, lam2)
-    z = (y[0] / d0, y[1] / d1, y[2] / d2)
-    if alpha <= 0.0 or dot(z, z) <= alpha or not math.isfinite(dot(y, y)):
-        return mat_vec(V, z), 0.0
-    # Secular equation 1/|u(sigma)| = 1/sqrt(alpha + sigma/(2 mu0)): nearly linear, no cancellation.
-    d_max = max(d0, d1, d2)
-    sigma = max(0.0, math.sqrt(dot(y, y) / alpha) - d_max)
+    m = int(data[M_U])
     for _ in range(50):
-        z = (y[0] / (d0 + sigma), y[1] / (d1 + sigma), y[2] / (d2 + sigma))
-        norm = math.sqrt(dot(z, z))
-        slope = z[0] * z[0] / (d0 + sigma) + z[1] * z[1] / (d1 + sigma) + z[2] * z[2] / (d2 + sigma)
+        zz, bend = 0.0, 0.0
+        for i in range(m):
+            d = data[D_U + i] + sigma
+            z = W[k, Z_AT + i] / d
+            zz += z * z
+            bend += z * z / d
+        norm = math.sqrt(zz)
         bound = alpha + sigma / (2.0 * mu0)
         root = math.sqrt(bound)
-        value = 1.0 / root - 1.0 / norm
-        change = value / (slope / (norm * norm * norm) + 0.25 / (mu0 * bound * root))
+        change = (1.0 / root - 1.0 / norm) / (bend / (zz * norm) + 0.25 / (mu0 * bound * root))
         sigma = max(0.0, sigma + change)
-        if abs(change) <= 1e-9 * (d_max + sigma):
+        if abs(change) <= 1e-9 * (1.0 + sigma):
             break
-    z = (y[0] / (d0 + sigma), y[1] / (d1 + sigma), y[2] / (d2 + sigma))
-    return mat_vec(V, z), sigma
+    return sigma
 
 
 @kernel
-def control_sensitivity(data, u, sigma):
-    """Matrix U of delta u = U delta lam2: inverse of S3 + sigma I (+ 4 mu0 u u^T if active)."""
-    V = data9(data, V_Q3)
-    w0 = 1.0 / (data[D_Q3] + sigma)
-    w1 = 1.0 / (data[D_Q3 + 1] + sigma)
-    w2 = 1.0 / (data[D_Q3 + 2] + sigma)
-    VD = (
-        V[0] * w0, V[1] * w1, V[2] * w2,
-        V[3] * w0, V[4] * w1, V[5] * w2,
-        V[6] * w0, V[7] * w1, V[8] * w2,
-    )  # fmt: skip
-    U = mat_mat(VD, transpose(V))
+def control(data, lam2, W, k):
+    """Solve (38), (S3 + sigma I) u = B^T lam2 with sigma = 2 mu0 max(0, |u|^2 - alpha).
+
+    The linear equation is tried first, as Bagherzadeh et al. (41) do. Leaves z = V^T u in row k of
+    W; returns the torque B u and sigma.
+    """
+    m = int(data[M_U])
+    alpha = data[ALPHA]
+    yy, zz, d_max = 0.0, 0.0, 0.0
+    for i in range(m):
+        d, g = data[D_U + i], D_U + m + 3 * i
+        y = data[g] * lam2[0] + data[g + 1] * lam2[1] + data[g + 2] * lam2[2]
+        W[k, Z_AT + i] = y
+        yy += y * y
+        zz += (y / d) * (y / d)
+        d_max = max(d_max, d)
+    sigma = 0.0
+    if alpha > 0.0 and zz > alpha and math.isfinite(yy):
+        sigma = _secular(data, W, k, max(0.0, math.sqrt(yy / alpha) - d_max))
+    tau = (0.0, 0.0, 0.0)
+    for i in range(m):
+        z, g = W[k, Z_AT + i] / (data[D_U + i] + sigma), D_U + m + 3 * i
+        W[k, Z_AT + i] = z
+        tau = add(tau, scale(z, (data[g], data[g + 1], data[g + 2])))
+    return tau, sigma
+
+
+@kernel
+def control_sensitivity(data, W, k, estimated):
+    """Matrix U of delta torque = U delta lam2 = B (S3 + sigma I + 4 mu0 u u^T if active)^-1 B^T.
+
+    Source: Bagherzadeh et al. (33), corrected (see `shooting`); ``estimated``: its (40), without
+    what the limit adds.
+    """
+    m = int(data[M_U])
+    sigma = 0.0 if estimated else W[k, SIGMA_AT]
+    U = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    turned, size = (0.0, 0.0, 0.0), 0.25 / data[MU0]
+    for i in range(m):
+        g, w = D_U + m + 3 * i, 1.0 / (data[D_U + i] + sigma)
+        row = (data[g], data[g + 1], data[g + 2])
+        U = mat_add(U, outer(scale(w, row), row))
+        if sigma > 0.0:
+            z = W[k, Z_AT + i]
+            turned = add(turned, scale(w * z, row))
+            size += w * z * z
     if sigma > 0.0:
-        Wu = mat_vec(U, u)
-        U = mat_sub(U, mat_scale(1.0 / (0.25 / data[MU0] + dot(u, Wu)), outer(Wu, Wu)))
+        U = mat_sub(U, outer(scale(1.0 / size, turned), turned))
     return U
 
 
 @kernel
 def attitude_gradient(h, B_Q1, zones, R):
-    """Gradient g_R of the stage cost and zone penalties at R, so that (34) is F^T (lam1 + g_R)."""
+    """Gradient g_R of the stage cost and zone penalties at R, so that (34) is F^T (lam1 + g_R).
+
+    Returns g_R and the number of zones whose penalty acts.
+    """
     g = scale(-h, vee_antisymmetric(mat_t_mat(R, B_Q1)))
+    active = 0
     for i in range(zones.shape[0]):
         v = (zones[i, 0], zones[i, 1], zones[i, 2])
         a = mat_t_vec(R, (zones[i, 3], zones[i, 4], zones[i, 5]))
         excess = zones[i, 7] * (dot(v, a) - zones[i, 6])
         if excess > 0.0:
             g = add(g, scale(h * zones[i, 8] * excess * zones[i, 7], cross(v, a)))
-    return g
+            active += 1
+    return g, active
 
 
 @kernel
@@ -173,40 +214,56 @@ def momentum_map(h, Jd, F):
 
 @kernel
 def set_track(data, R_ref, track):
-    """Fill ``track`` (2,3,3) with Q1 R_ref and P1 R_ref: (27), (28) measured from R_ref."""
+    """Fill ``track`` (3,3,3) with Q1 R_ref, P1 R_ref and R_ref: (27), (28) measured from R_ref."""
     store9(track, 0, mat_mat(data9(data, Q1), R_ref))
     store9(track, 1, mat_mat(data9(data, P1), R_ref))
+    store9(track, 2, R_ref)
 
 
 @kernel
-def attitude_cost(Q, B, R):
-    """|Q^(1/2) (R - R_ref)|_F^2 / 2 = tr(Q) - <Q R_ref, R> with B = Q R_ref."""
-    total = Q[0] + Q[4] + Q[8]
+def attitude_cost(Q, R_ref, R):
+    """|Q^(1/2) (R - R_ref)|_F^2 / 2, by the difference: accurate however close the two are."""
+    D = mat_sub(R, R_ref)
+    QD = mat_mat(Q, D)
+    total = 0.0
     for i in range(9):
-        total -= B[i] * R[i]
+        total += D[i] * QD[i]
+    return 0.5 * total
+
+
+@kernel
+def stage_cost(data, zones, R_ref, R_k, Pi_k, W, k):
+    """Cost of stage k, (27) and penalties h mu max(0, H)^2, with z and sigma from row k of W."""
+    h, alpha, mu0 = data[H], data[ALPHA], data[MU0]
+    m = int(data[M_U])
+    effort, zz = 0.0, 0.0
+    for i in range(m):
+        z = W[k, Z_AT + i]
+        zz += z * z
+        effort += data[D_U + i] * z * z
+    state = attitude_cost(data9(data, Q1), R_ref, R_k) + quadratic(data9(data, S_Q2), Pi_k)
+    total = h * (state + effort) + zone_cost(h, zones, R_k)
+    if alpha > 0.0:
+        # A solve knows sigma = 2 mu0 H0 without cancellation; a bare rollout has sigma < 0.
+        sigma = W[k, SIGMA_AT]
+        H0 = sigma / (2.0 * mu0) if sigma >= 0.0 else max(0.0, zz - alpha)
+        total += h * mu0 * H0 * H0
     return total
 
 
 @kernel
-def horizon_cost(data, zones, track, R, Pi, u, W):
-    """Cost (27) + (28) + penalties h mu max(0, H)^2 of a propagated horizon."""
-    N = u.shape[0]
-    h, alpha, mu0 = data[H], data[ALPHA], data[MU0]
-    S2, V, Q = data9(data, S_Q2), data9(data, V_Q3), data9(data, Q1)
-    B = load9(track, 0)
-    total = 0.0
+def terminal_cost(data, track, R_N, Pi_N):
+    """Terminal cost (28)."""
+    attitude = attitude_cost(data9(data, P1), load9(track, 2), R_N)
+    return attitude + quadratic(data9(data, S_P2), Pi_N)
+
+
+@kernel
+def horizon_cost(data, zones, track, R, Pi, W):
+    """Cost (27) + (28) + penalties of a propagated horizon."""
+    N = W.shape[0]
+    R_ref = load9(track, 2)
+    total = terminal_cost(data, track, load9(R, N), load3(Pi, N))
     for k in range(N):
-        R_k, u_k = load9(R, k), load3(u, k)
-        y = mat_t_vec(V, u_k)
-        effort = 0.0
-        for i in range(3):
-            effort += data[D_Q3 + i] * y[i] * y[i]
-        total += h * (attitude_cost(Q, B, R_k) + quadratic(S2, load3(Pi, k)) + effort)
-        total += zone_cost(h, zones, R_k)
-        if alpha > 0.0:
-            # A solve knows sigma = 2 mu0 H0 without cancellation; a bare rollout has sigma < 0.
-            sigma = W[k, SIGMA_AT]
-            H0 = sigma / (2.0 * mu0) if sigma >= 0.0 else max(0.0, dot(u_k, u_k) - alpha)
-            total += h * mu0 * H0 * H0
-    total += attitude_cost(data9(data, P1), load9(track, 1), load9(R, N))
-    return total + quadratic(data9(data, S_P2), load3(Pi, N))
+        total += stage_cost(data, zones, R_ref, load9(R, k), load3(Pi, k), W, k)
+    return total

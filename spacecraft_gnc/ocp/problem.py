@@ -5,8 +5,9 @@
               + sum_k h/2 |Q3^(1/2) hat(u_k)|_F^2
               + sum_k h mu0 max(0, |u_k|^2 - max_torque^2)^2 + sum_k sum_i h mu_i max(0, H_i(R_k))^2
 
-subject to the integrator of `dynamics.rigid_body`. Source: Gupta et al. 2015, (27)-(30), extended
-from regulation (R_ref = I) to tracking a constant reference attitude (its Remark II).
+subject to the integrator of `dynamics.rigid_body`, driven by the torque B u. Source: Gupta et al.
+2015, (27)-(30), extended from regulation (R_ref = I) to tracking a constant reference attitude (its
+Remark II) and to an actuator matrix B (Bagherzadeh et al. 2023, (9)).
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from spacecraft_gnc.types import (
     ArrayLike,
     Matrix3,
     Vector3,
+    as_actuators,
     as_rotation,
     as_semidefinite,
     as_vector3,
@@ -73,11 +75,14 @@ class AttitudeOcp:
         Number of steps N >= 1.
     weights : Weights
     max_torque : float
-        Limit on |u| [N m], by penalty; 0 means none.
+        Limit on |u| [N m], the norm of the m controls, by penalty; 0 means none.
     torque_penalty : float
         Weight mu0 of h max(0, |u|^2 - max_torque^2)^2.
     zones : tuple of PointingZone
         Seen by R_1 .. R_{N-1}, of which u moves R_2 .. R_{N-1}; R_N carries no zone penalty.
+    actuators : (3, m) array, optional
+        Matrix B: torque = B u, body frame. The identity if absent. For m other than 3 the weight
+        ``stage_torque`` must be a number q, which stands for q |u|^2.
 
     Raises
     ------
@@ -92,9 +97,12 @@ class AttitudeOcp:
     max_torque: float = 0.0
     torque_penalty: float = 1.0e10
     zones: tuple[PointingZone, ...] = ()
+    actuators: ArrayLike | None = None
     body: RigidBody = field(init=False, repr=False, compare=False)
     data: Array = field(init=False, repr=False, compare=False)
     zone_rows: Array = field(init=False, repr=False, compare=False)
+    control_axes: Array = field(init=False, repr=False, compare=False)
+    """(m, m) eigenvectors V of the control weight; the kernels count controls as V^T u."""
 
     def __post_init__(self) -> None:
         body = RigidBody(np.asarray(self.inertia), self.time_step)
@@ -116,24 +124,33 @@ class AttitudeOcp:
         object.__setattr__(self, "body", body)
         object.__setattr__(self, "inertia", body.inertia)
         object.__setattr__(self, "zones", tuple(self.zones))
-        object.__setattr__(self, "data", _pack(self))
+        object.__setattr__(self, "actuators", as_actuators(self.actuators))
+        weights, axes = _control_weight(self)
+        object.__setattr__(self, "control_axes", read_only(axes))
+        object.__setattr__(self, "data", _pack(self, weights))
         object.__setattr__(self, "zone_rows", _zone_rows(self.zones))
 
+    @property
+    def n_controls(self) -> int:
+        """Number m of controls."""
+        return len(self.control_axes)
+
     def rollout(
-        self, torques: ArrayLike, attitude: ArrayLike, momentum: ArrayLike
+        self, controls: ArrayLike, attitude: ArrayLike, momentum: ArrayLike
     ) -> tuple[Array, Array]:
-        """Return attitudes (N+1, 3, 3) and momenta (N+1, 3) under torques (N, 3) [N m]."""
-        return self.body.simulate(attitude, momentum, self.checked_controls(torques))
+        """Return attitudes (N+1, 3, 3) and momenta (N+1, 3) under controls (N, m) [N m]."""
+        torques = self.checked_controls(controls) @ np.asarray(self.actuators).T
+        return self.body.simulate(attitude, momentum, np.ascontiguousarray(torques))
 
     def cost(
         self,
-        torques: ArrayLike,
+        controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
         reference: ArrayLike | None = None,
     ) -> float:
-        """Return the cost of torques (N, 3) [N m], constants and penalties included."""
-        horizon = Horizon(self, torques, attitude, momentum, reference)
+        """Return the cost of controls (N, m) [N m], constants and penalties included."""
+        horizon = Horizon(self, controls, attitude, momentum, reference)
         return float(
             _stage_kernels.horizon_cost(
                 self.data,
@@ -141,42 +158,42 @@ class AttitudeOcp:
                 horizon.track,
                 horizon.attitudes,
                 horizon.momenta,
-                horizon.torques,
                 horizon.work,
             )
         )
 
     def gradient(
         self,
-        torques: ArrayLike,
+        controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
         reference: ArrayLike | None = None,
     ) -> Array:
-        """Return the gradient (N, 3) of `cost` to the torques, by the adjoint (34)-(38).
+        """Return the gradient (N, m) of `cost` to the controls, by the adjoint (34)-(38).
 
-        dJ/du_k = 2 h ((S3 + 2 mu0 max(0, H0)) u_k - lambda2_k): the printed multipliers are half
-        the true ones, consistently.
+        dJ/du_k = 2 h ((S3 + 2 mu0 max(0, H0)) u_k - B^T lambda2_k): the printed multipliers are
+        half the true ones, consistently.
         """
-        return Horizon(self, torques, attitude, momentum, reference).gradient()
+        return Horizon(self, controls, attitude, momentum, reference).gradient()
 
     def hessian(
         self,
-        torques: ArrayLike,
+        controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
         reference: ArrayLike | None = None,
     ) -> Array:
-        """Return the second derivative (3N, 3N) of `cost` to the torques."""
-        return Horizon(self, torques, attitude, momentum, reference).hessian()
+        """Return the second derivative (mN, mN) of `cost` to the controls."""
+        return Horizon(self, controls, attitude, momentum, reference).hessian()
 
-    def checked_controls(self, torques: ArrayLike) -> Array:
-        """Return ``torques`` as a contiguous (N, 3) array; raise ParameterError if it is none."""
-        u = np.array(torques, dtype=np.float64, order="C")
-        if u.shape != (self.horizon, 3) or not np.isfinite(u).all():
+    def checked_controls(self, controls: ArrayLike) -> Array:
+        """Return ``controls`` as a contiguous (N, m) array; raise ParameterError if it is none."""
+        u = np.array(controls, dtype=np.float64, order="C")
+        shape = (self.horizon, self.n_controls)
+        if u.shape != shape or not np.isfinite(u).all():
             raise ParameterError(
-                f"torques: received an array of shape {u.shape}; required ({self.horizon}, 3) "
-                "finite numbers [N m]; give one torque for each step of the horizon"
+                f"controls: received an array of shape {u.shape}; required {shape} finite numbers "
+                "[N m]; give one row of controls for each step of the horizon"
             )
         return u
 
@@ -187,48 +204,48 @@ class Horizon:
     def __init__(
         self,
         ocp: AttitudeOcp,
-        torques: ArrayLike,
+        controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
         reference: ArrayLike | None,
     ) -> None:
         n = ocp.horizon
         self.ocp = ocp
-        self.torques = ocp.checked_controls(torques)
+        controls = ocp.checked_controls(controls)
         self.attitudes = np.empty((n + 1, 3, 3))
         self.momenta = np.empty((n + 1, 3))
         self.attitudes[0] = as_rotation("attitude", attitude)
         self.momenta[0] = as_vector3("momentum", momentum)
-        self.work = np.zeros((n, _stage_kernels.WORK))
+        self.work = np.zeros((n, _stage_kernels.work_size(ocp.n_controls)))
         self.track = track_of(ocp, np.eye(3) if reference is None else reference)
+        turned = np.ascontiguousarray(controls @ ocp.control_axes)
         done = _adjoint_kernels.rollout(
-            ocp.body.packed, ocp.data, self.attitudes, self.momenta, self.torques, self.work
+            ocp.body.packed, ocp.data, self.attitudes, self.momenta, turned, self.work
         )
         if done != n:
             ocp.body.require_solvable(f"momentum at step {done}", self.momenta[done])
 
     def gradient(self) -> Array:
-        """Gradient (N, 3) of the cost; fills `costates` (N, 6)."""
+        """Gradient (N, m) of the cost; fills `costates` (N, 6)."""
         self.costates = np.empty((self.ocp.horizon, 6))
-        gradient = np.empty((self.ocp.horizon, 3))
+        gradient = np.empty((self.ocp.horizon, self.ocp.n_controls))
         _adjoint_kernels.adjoint_gradient(
             self.ocp.data,
             self.ocp.zone_rows,
             self.track,
             self.attitudes,
             self.momenta,
-            self.torques,
             self.costates,
             self.work,
             gradient,
         )
-        return gradient
+        return np.asarray(gradient @ self.ocp.control_axes.T)
 
     def hessian(self) -> Array:
-        """Second derivative (3N, 3N) of the cost."""
-        n = self.ocp.horizon
+        """Second derivative (mN, mN) of the cost."""
+        n, m = self.ocp.horizon, self.ocp.n_controls
         self.gradient()
-        hessian = np.zeros((3 * n, 3 * n))
+        hessian = np.zeros((m * n, m * n))
         _adjoint_kernels.reduced_hessian(
             self.ocp.body.packed,
             self.ocp.data,
@@ -236,20 +253,20 @@ class Horizon:
             self.track,
             self.attitudes,
             self.momenta,
-            self.torques,
             self.costates,
             self.work,
             np.empty((n + 1, 6)),
             hessian,
         )
-        return hessian
+        axes = np.kron(np.eye(n), self.ocp.control_axes)
+        return np.asarray(axes @ hessian @ axes.T)
 
 
 def track_of(ocp: AttitudeOcp, reference: ArrayLike) -> Array:
-    """Return Q1 R_ref and P1 R_ref (2, 3, 3), as the kernels want the reference."""
+    """Return Q1 R_ref, P1 R_ref and R_ref (3, 3, 3), as the kernels want the reference."""
     rotation: Matrix3 = as_rotation("reference", reference)
     q1, p1 = ocp.weights.stage_attitude, ocp.weights.terminal_attitude
-    return np.stack([np.asarray(q1) @ rotation, np.asarray(p1) @ rotation])
+    return np.stack([np.asarray(q1) @ rotation, np.asarray(p1) @ rotation, rotation])
 
 
 def _half_trace_minus(weight: ArrayLike) -> Matrix3:
@@ -257,17 +274,32 @@ def _half_trace_minus(weight: ArrayLike) -> Matrix3:
     return np.asarray(0.5 * (np.trace(matrix) * np.eye(3) - matrix))
 
 
-def _pack(ocp: AttitudeOcp) -> Array:
+def _control_weight(ocp: AttitudeOcp) -> tuple[Array, Array]:
+    """Return eigenvalues (m,) and eigenvectors (m, m) of the weight of the controls."""
+    weight = np.asarray(ocp.weights.stage_torque)
+    m = np.asarray(ocp.actuators).shape[1]
+    if m == 3:
+        values, vectors = np.linalg.eigh(_half_trace_minus(weight))
+        return values, vectors
+    if np.abs(weight - weight[0, 0] * np.eye(3)).max() > 0.0:
+        raise ParameterError(
+            f"weights.stage_torque: received a full matrix for {m} actuators; required one number, "
+            "the weight of |u|^2; give it as a scalar"
+        )
+    return np.full(m, weight[0, 0]), np.eye(m)
+
+
+def _pack(ocp: AttitudeOcp, control_weights: Array) -> Array:
     w = ocp.weights
-    values, vectors = np.linalg.eigh(_half_trace_minus(w.stage_torque))
     numbers: list[Array] = [
         np.array([ocp.time_step, ocp.max_torque**2, ocp.torque_penalty]),
         np.ravel(np.asarray(w.stage_attitude)),
         np.ravel(np.asarray(w.terminal_attitude)),
         _half_trace_minus(w.stage_momentum).ravel(),
         _half_trace_minus(w.terminal_momentum).ravel(),
-        vectors.ravel(),
-        values,
+        np.array([float(len(control_weights))]),
+        control_weights,
+        (np.asarray(ocp.actuators) @ ocp.control_axes).T.ravel(),
     ]
     return read_only(np.concatenate(numbers))
 

@@ -1,16 +1,29 @@
-"""Indirect single shooting with Newton's method and analytic sensitivities.
+"""Indirect shooting: Newton's method on the first-order conditions, with analytic sensitivities.
 
-The necessary conditions (31)-(38) of Gupta et al. 2015 are run forward from guessed multipliers
-lambda_0; Newton's method (43) on the terminal conditions (44) finds them, with the derivative
-(39)-(45) carried along the horizon and a backtracking line search on the residual (the paper's
-"hybrid" step size). (38) has no inner root finder: see `_stage_kernels.control`.
+The necessary conditions (31)-(38) of Gupta et al. 2015 form a two-point boundary value problem in
+the multipliers lambda. Two formulations of Newton's method solve it:
 
-Errata honoured: (18) the sum over delta u_k starts at k = 0; (42) the multiplier rows are
-multiplied only up to index N-2, because (45) needs delta lambda_{N-1}.
+- ``single_shooting``, the paper's (39)-(45): the unknowns are the multipliers of the first step,
+  everything is run forward, and the terminal conditions (44) are the residual. The costates are
+  unstable in that direction, so that accuracy is lost over long or stiff horizons.
+- ``backward_sweep``: the unknowns are the multipliers lambda2_k of every step. Controls follow from
+  (38), the states from a rollout, the costates from (34)-(37) run backward, where they are stable,
+  and the residual is lambda2 - guess. The linear system is solved by a Riccati-like sweep, at a
+  cost linear in the horizon. The residual is the gradient of the cost, so a line search on the
+  cost (and Levenberg's term where the pivots are not positive) leads to minima only, and the
+  pivots certify them.
+
+``auto`` takes the backward sweep at every horizon: docs/solver.md has the measurements.
+`Solution.formulation` says which one was used. (38) has no inner root finder: see `_stage_kernels.control`.
+
+Errata honoured: Gupta (18), the sum over delta u_k starts at k = 0; (42), the multiplier rows are
+multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherzadeh et al. 2023 (33):
+"+2 mu S(u) S(du) S(u)" is -4 mu S(u) S(du) S(u), and only where the limit acts.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import NoReturn
@@ -18,34 +31,54 @@ from typing import NoReturn
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp._shooting_kernels import BAD_REFERENCE, BAD_STATE, solve_shooting
-from spacecraft_gnc.ocp._stage_kernels import WORK
+from spacecraft_gnc.ocp._solve_kernels import BAD_REFERENCE, BAD_STATE, arena_size, solve
+from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3, require_positive
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    Matrix3,
+    as_rotation,
+    as_vector3,
+    require_positive,
+)
 
 STATUSES = tuple(Status)
-VARIANTS = ("exact",)
-COLD = np.zeros(6)
-COLD.setflags(write=False)
+VARIANTS = ("exact", "estimated_du", "estimated_u")
+FORMULATIONS = ("auto", "backward_sweep", "single_shooting")
+AUTOMATIC = "backward_sweep"  # at every horizon the faster one, and the only one on long ones
+STEP_RULES = ("backtracking", "full", "damped", "chord")
 IDENTITY = np.eye(3)
 IDENTITY.setflags(write=False)
+NO_MARGINS = np.empty(0)
 
 
 @dataclass(frozen=True, slots=True)
 class ShootingOptions:
-    """When Newton's method stops.
+    """How Newton's method goes, and when it stops.
 
     Attributes
     ----------
     residual_tolerance : float
-        Largest Euclidean norm of (44) that counts as solved.
+        Largest Euclidean norm of the residual that counts as solved, relative to 1 + max |lambda2|.
     max_iterations : int
         Largest number of Newton steps.
+    formulation : {"auto", "backward_sweep", "single_shooting"}
+    step_rule : {"backtracking", "full", "damped", "chord"}
+        backtracking: full steps, shortened until they make progress (the paper's "hybrid" step
+        size). full, damped: steps of fixed length gamma in (43). chord (Newton-Kantorovich): the
+        Jacobian is kept over iterations and solves as long as the residual halves with it, and
+        made anew, with backtracking, where it does not.
+    damping : float
+        gamma of ``damped``, in (0, 1].
     """
 
     residual_tolerance: float = 1e-12
     max_iterations: int = 50
+    formulation: str = "auto"
+    step_rule: str = "backtracking"
+    damping: float = 0.5
 
     def __post_init__(self) -> None:
         require_positive("residual_tolerance", self.residual_tolerance)
@@ -53,41 +86,62 @@ class ShootingOptions:
             raise ParameterError(
                 f"max_iterations: received {self.max_iterations}; required at least 1; give 50"
             )
+        _require_word("formulation", self.formulation, FORMULATIONS)
+        _require_word("step_rule", self.step_rule, STEP_RULES)
+        if not 0.0 < self.damping <= 1.0:
+            raise ParameterError(
+                f"damping: received {self.damping!r}; required a step length in (0, 1]; give 0.5"
+            )
+
+
+def _require_word(name: str, word: str, words: tuple[str, ...]) -> None:
+    if word not in words:
+        raise ParameterError(
+            f"{name}: received {word!r}; required one of {', '.join(words)}; choose one"
+        )
 
 
 class ShootingSolver:
-    """Solve an `AttitudeOcp` by indirect single shooting.
+    """Solve an `AttitudeOcp` by Newton's method on its first-order conditions.
 
     Parameters
     ----------
     ocp : AttitudeOcp
-    variant : {"exact"}
-        Sensitivities used by Newton's method.
+    variant : {"exact", "estimated_du", "estimated_u"}
+        Sensitivity of the controls in Newton's method: that of (38) (exact), or Bagherzadeh's (40),
+        which leaves out what the torque limit adds. ``estimated_u`` also finds the controls by (41)
+        first and again by (26) where they exceed the limit; every variant here does, since (26) is
+        solved in closed form, so that the two estimated variants make the same numbers.
     options : ShootingOptions, optional
 
     Notes
     -----
     A solver owns work space and is not meant for several threads at once; solutions are
-    independent of it. The costate recursion is run forward, which amplifies rounding over long
-    horizons: horizons of some tens of steps are its range.
+    independent of it. Only the step rule ``chord`` carries anything from one solve to the next.
     """
 
     def __init__(
         self, ocp: AttitudeOcp, variant: str = "exact", options: ShootingOptions | None = None
     ) -> None:
-        if variant not in VARIANTS:
-            raise ParameterError(
-                f"variant: received {variant!r}; required one of {', '.join(VARIANTS)}; choose one"
-            )
+        _require_word("variant", variant, VARIANTS)
         self.ocp = ocp
         self.variant = variant
-        self.options = options or ShootingOptions()
+        self.options = options = options or ShootingOptions()
+        self.formulation = AUTOMATIC if options.formulation == "auto" else options.formulation
         n = ocp.horizon
         self._n = n
         self._constants = (ocp.body.packed, ocp.data, ocp.zone_rows)
-        self._work = (np.zeros((n, WORK)), np.empty((2, 3, 3)), np.empty((3, 6, 12)))
-        self._limits = (self.options.residual_tolerance, self.options.max_iterations)
-        self._inputs = np.empty((9, 3))
+        self._work = (np.zeros(arena_size(n, ocp.n_controls)), np.zeros(4, np.int64))
+        self._settings = (
+            self.formulation == "single_shooting",
+            STEP_RULES.index(options.step_rule),
+            options.damping,
+            variant != "exact",
+            options.residual_tolerance,
+            options.max_iterations,
+        )
+        self._inputs = np.empty((7, 3))
+        self._cold = np.zeros((n, 6))
 
     def solve(
         self,
@@ -106,8 +160,8 @@ class ShootingSolver:
             Angular momentum, body frame [N m s].
         reference : (3, 3) array, optional
             Attitude to track, body to inertial; the identity if absent.
-        warm_start : (6,) array, optional
-            Multipliers to start from, as `Solution.warm_start` of the previous step; else zero.
+        warm_start : (N, 6) array, optional
+            Multipliers to start from, as the previous step's `Solution.warm_start`; zero if absent.
 
         Returns
         -------
@@ -117,33 +171,29 @@ class ShootingSolver:
         Raises
         ------
         ShapeError, ParameterError
-            If an argument is not a finite state, a rotation, or six numbers.
+            If an argument is not a finite state, a rotation, or multipliers of this horizon.
         """
         started = perf_counter()
         n = self._n
         target = IDENTITY if reference is None else reference
-        guess = COLD if warm_start is None else warm_start
+        guess = self._cold if warm_start is None else warm_start
         x = self._inputs  # one array of one type: one compiled kernel for every caller
         try:
-            x[:3], x[3], x[4:7] = attitude, momentum, target
-            x[7], x[8] = guess[:3], guess[3:]
+            x[:3], x[3], x[4:] = attitude, momentum, target
         except (ValueError, TypeError, IndexError):
-            self._refuse(attitude, momentum, target, guess)
-        R, Pi, u, lam = (
-            np.empty((n + 1, 3, 3)),
-            np.empty((n + 1, 3)),
-            np.empty((n, 3)),
-            np.empty((n, 6)),
-        )
+            self._refuse(attitude, momentum, target)
+        if guess.shape != (n, 6):
+            self._refuse_warm_start(guess)
+        R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
+        u, lam = np.empty((n, 3)), np.empty((n, 6))
         body, data, zones = self._constants
-        W, track, scratch = self._work
-        code, steps, residual, cost, largest = solve_shooting(
-            body, data, zones, x, R, Pi, u, lam, W, track, scratch, *self._limits
+        margins = np.empty(len(zones)) if len(zones) else NO_MARGINS
+        code, steps, residual, cost, curvature, largest, error, travel = solve(
+            body, data, zones, x, guess, R, Pi, u, lam, margins, *self._work, *self._settings
         )
         if code in (BAD_STATE, BAD_REFERENCE):
-            self._refuse(attitude, momentum, target, guess)
+            self._refuse(attitude, momentum, target)
         limit = self.ocp.max_torque
-        margin = limit - largest**0.5 if limit > 0.0 else float("inf")
         return Solution(
             u,
             R,
@@ -154,22 +204,68 @@ class ShootingSolver:
             steps,
             residual,
             perf_counter() - started,
-            margin,
-            x[4:7].copy(),
+            limit - largest**0.5 if limit > 0.0 else float("inf"),
+            x[4:].copy(),
             self.ocp,
+            self.formulation,
+            curvature,
+            margins,
+            error,
+            travel,
         )
+
+    def solve_batch(
+        self, attitudes: ArrayLike, momenta: ArrayLike, reference: ArrayLike | None = None
+    ) -> BatchSolution:
+        """Solve from many states, each cold and by itself, without leaving compiled code.
+
+        Parameters
+        ----------
+        attitudes : (n, 3, 3) array
+            Rotations, body to inertial.
+        momenta : (n, 3) array
+            Angular momenta, body frame [N m s].
+        reference : (3, 3) array, optional
+            Attitude to track, body to inertial; the identity if absent.
+
+        Returns
+        -------
+        BatchSolution
+            A row for each state; what did not converge says so in ``status``.
+
+        Raises
+        ------
+        ShapeError, ParameterError
+            If an argument has another shape, or any state is refused by `solve`.
+        """
+        return solve_many(self, attitudes, momenta, reference)
+
+    def run_batch(
+        self,
+        kernel: Callable[..., None],
+        states: Array,
+        reference: Matrix3,
+        outputs: tuple[Array, ...],
+        numbers: Array,
+    ) -> None:
+        """Hand many states (n, 4, 3) to a kernel with this solver's problem and settings."""
+        kernel(
+            *self._constants, states, reference, self._cold, *outputs, *self._work,
+            *self._settings, numbers,
+        )  # fmt: skip
 
     def warm_up(self) -> None:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""
         self.solve(IDENTITY, np.zeros(3))
 
-    def _refuse(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike, guess: ArrayLike
-    ) -> NoReturn:
+    def _refuse(self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike) -> NoReturn:
         as_rotation("attitude", attitude)
         as_vector3("momentum", momentum)
         as_rotation("reference", reference)
+        raise ParameterError("state: received no finite state; required one; check its numbers")
+
+    def _refuse_warm_start(self, guess: Array) -> NoReturn:
         raise ParameterError(
-            f"warm_start: received {guess!r}; required 6 multipliers; pass the warm_start of a "
-            "solution of the same problem"
+            f"warm_start: received an array of shape {guess.shape}; required ({self._n}, 6) "
+            "multipliers; pass the warm_start of a solution of the same problem"
         )

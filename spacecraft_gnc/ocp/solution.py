@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from spacecraft_gnc.ocp import _stage_kernels
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ class Status(IntEnum):
     NOT_FINITE = 4
     SINGULAR = 5
     STALLED = 6
+    ESCAPING = 7
+    SADDLE = 8
 
     @property
     def advice(self) -> str:
@@ -32,13 +34,15 @@ class Status(IntEnum):
 
 
 _ADVICE = {
-    Status.CONVERGED: "The first-order conditions hold within the tolerance.",
+    Status.CONVERGED: "The first-order conditions hold within the tolerance, at a minimum.",
     Status.MAX_ITERATIONS: "The iteration limit was reached: raise it, or start from a warm start.",
-    Status.LINE_SEARCH_FAILED: "No step reduced the residual: loosen the tolerance or penalties.",
+    Status.LINE_SEARCH_FAILED: "No step made progress: loosen the tolerance or the penalties.",
     Status.UNSOLVABLE_STEP: "The body turns too far in one step (Kalabic (3)): shorten it.",
     Status.NOT_FINITE: "A number overflowed: check the weights and the state.",
     Status.SINGULAR: "The Jacobian is singular: start from another guess.",
     Status.STALLED: "The loop came to rest away from its target, at a local minimum of the cost.",
+    Status.ESCAPING: "The loop leaves an unstable standstill by a small torque added to its own.",
+    Status.SADDLE: "The solve ended at a saddle of the cost, not at a minimum: use another start.",
 }
 
 
@@ -49,7 +53,7 @@ class Solution(NamedTuple):
     """
 
     torques: Array
-    """(N, 3) optimal body torques u_0 .. u_{N-1} [N m]."""
+    """(N, 3) optimal body torques B u_0 .. B u_{N-1} [N m]."""
     attitudes: Array
     """(N+1, 3, 3) predicted rotations, body to inertial."""
     momenta: Array
@@ -62,7 +66,8 @@ class Solution(NamedTuple):
     iterations: int
     """Newton steps taken."""
     residual: float
-    """Euclidean norm of the terminal conditions (44)."""
+    """Euclidean norm of the first-order conditions in the units of lambda: of (44) for single
+    shooting, of all stages' lambda2 for the backward sweep."""
     solve_time: float
     """Wall time of the solve [s]."""
     torque_margin: float
@@ -71,32 +76,42 @@ class Solution(NamedTuple):
     """(3, 3) attitude tracked, body to inertial."""
     ocp: AttitudeOcp
     """The problem solved."""
+    formulation: str
+    """How the conditions were solved, such as "backward_sweep"."""
+    min_curvature: float
+    """Smallest pivot of the second derivative of the cost to the torques, swept backward [1/(N m)^2].
+
+    A stationary point is a strict local minimum exactly where it is positive. Of the last
+    linearisation, one Newton step from the solution; NaN where the solve did not converge.
+    """
+    zone_margins: Array
+    """Smallest angle [rad] to each zone over the predicted attitudes (negative: inside)."""
+    attitude_error: float
+    """Angle [rad] from the reference at the start of the horizon."""
+    travel: float
+    """Angle [rad] between the first and the last predicted attitude."""
 
     @property
     def converged(self) -> bool:
-        """Whether the first-order conditions hold within the tolerance."""
+        """Whether the first-order conditions hold within the tolerance, at a minimum."""
         return self.status == Status.CONVERGED
 
     @property
     def warm_start(self) -> Array | None:
-        """Multipliers (6,) shifted by one step, for the next solve; None if this one failed."""
+        """Multipliers (N, 6) to start the next solve from, one step on; None if this one failed."""
         if not self.converged:
             return None
-        return np.asarray(self.costates[min(1, len(self.costates) - 1)])
+        start = np.empty_like(self.costates)
+        start[:-1], start[-1] = self.costates[1:], self.costates[-1]
+        return start
 
     @property
-    def zone_margins(self) -> Array:
-        """Smallest angle [rad] to each zone over the predicted attitudes (negative: inside)."""
-        return np.array([zone.margin(self.attitudes).min() for zone in self.ocp.zones])
-
-    @property
-    def min_curvature(self) -> float:
-        """Smallest eigenvalue of the second derivative of the cost to the controls.
-
-        A stationary point is a strict local minimum where it is positive. Computed when asked;
-        NaN if the horizon is not finite.
-        """
-        if not math.isfinite(self.cost):
-            return math.nan
-        hessian = self.ocp.hessian(self.torques, self.attitudes[0], self.momenta[0], self.reference)
-        return float(np.linalg.eigvalsh(hessian)[0])
+    def controls(self) -> Array:
+        """(N, m) optimal controls u_k, of which B makes the torques [N m]; by (38)."""
+        ocp = self.ocp
+        work = np.zeros((1, _stage_kernels.work_size(ocp.n_controls)))
+        rows = np.empty((len(self.costates), ocp.n_controls))
+        for row, costate in zip(rows, self.costates, strict=True):
+            _stage_kernels.control(ocp.data, tuple(costate[3:]), work, 0)
+            row[:] = work[0, _stage_kernels.Z_AT :]
+        return np.asarray(rows @ ocp.control_axes.T)

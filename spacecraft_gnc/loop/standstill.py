@@ -1,0 +1,121 @@
+"""The certificate of the loop at a standstill, and the way out of an unstable one.
+
+A stalled spacecraft can sit at a strict minimum of every horizon and still be at an unstable
+equilibrium of the closed loop: behind a pointing zone that lies exactly across its way, or half a
+turn from its target. No solve of one horizon sees that. Where motion has stopped away from the
+target, the one-step closed loop is linearised with the neighbouring-extremal gain, x+ = A x + d:
+
+- its fixed point (I - A)^-1 d lies far off: the loop is only slow, nothing is said;
+- a spectral radius above 1: the equilibrium is unstable, and the loop leaves it along the unstable
+  eigenvector, by a torque added to the optimal one (see `_escape_torque` for its rule);
+- below 1: the loop is stalled, and the constraint that it leans on is named.
+
+Source: `docs/solver.md`; the closed loop of Gupta et al. 2015, Case II, which parks at 26.883 deg.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc.loop.protocols import Standstill
+from spacecraft_gnc.ocp import AttitudeOcp, Solution
+from spacecraft_gnc.ocp.linearization import deviation, linearize
+from spacecraft_gnc.types import Array, Vector3
+
+QUIET = 1e-3  # share of the error that motion and torque would cover in one horizon
+NEAR = 0.25  # share of the error within which the fixed point lies
+MARGINAL = 1e-9  # spectral radii up to 1 + this count as stable
+NOISE = 1e-6  # amplitude [rad, N m s] below which that of the unstable mode is rounding
+PUSH = 1e-2  # share of the error that the escape torque covers in one horizon
+TOUCHING = 1e-3  # angle [rad] to a zone, share of the torque limit, that counts as active
+
+
+class Finding(NamedTuple):
+    """What the monitor found at a standstill."""
+
+    standstill: Standstill
+    push: Vector3
+    """(3,) torque to add to the optimal one [N m]; zero where the loop is stalled."""
+
+
+class StandstillMonitor:
+    """Examines the loop where it has stopped away from its target.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    error_tolerance : float
+        Attitude error [rad] below which the loop counts as arrived; 0 switches the monitor off.
+    zone_names : sequence of str, optional
+        Names of ``ocp.zones``, to name the constraint that a stall leans on.
+    """
+
+    def __init__(
+        self, ocp: AttitudeOcp, error_tolerance: float, zone_names: Sequence[str] = ()
+    ) -> None:
+        self._ocp = ocp
+        self._tolerance = error_tolerance if error_tolerance > 0.0 else math.inf
+        self._names = tuple(zone_names) or tuple(f"zone {i}" for i in range(len(ocp.zones)))
+        self._smallest_inertia = float(np.linalg.eigvalsh(np.asarray(ocp.inertia))[0])
+        self._horizon_time = ocp.horizon * ocp.time_step
+
+    def examine(self, solution: Solution) -> Finding | None:
+        """Return what is to be said of a converged solution; None in ordinary flight."""
+        error = solution.attitude_error
+        if error <= self._tolerance or solution.travel > 0.05 * error:
+            return None
+        span = self._horizon_time
+        momentum = math.sqrt(float(solution.momenta[0] @ solution.momenta[0]))
+        torque = math.sqrt(float(solution.torques[0] @ solution.torques[0]))
+        if momentum * span + 0.5 * torque * span**2 > QUIET * error * self._smallest_inertia:
+            return None
+        return self._certify(solution, error)
+
+    def _certify(self, solution: Solution, error: float) -> Finding | None:
+        loop = linearize(solution).closed_loop
+        R, Pi = solution.attitudes, solution.momenta
+        drift = deviation(R[1], Pi[1], R[0], Pi[0])
+        to_fixed_point, *_ = np.linalg.lstsq(np.eye(6) - loop, drift, rcond=None)
+        if not np.isfinite(loop).all() or np.linalg.norm(to_fixed_point[:3]) > NEAR * error:
+            return None
+        values, vectors = np.linalg.eig(loop.T)  # left eigenvectors: w . x is a mode's amplitude
+        worst = int(np.argmax(np.abs(values)))
+        radius = float(np.abs(values[worst]))
+        if radius <= 1.0 + MARGINAL:
+            return Finding(Standstill(radius, False, self._active(solution)), np.zeros(3))
+        mode = vectors[:, worst].real
+        push = self._escape_torque(mode, -to_fixed_point, solution, error)
+        return Finding(Standstill(radius, True, self._active(solution)), push)
+
+    def _escape_torque(
+        self, mode: Array, offset: Array, solution: Solution, error: float
+    ) -> Vector3:
+        """Torque that moves the unstable mode's amplitude the most.
+
+        Its sign keeps the way the loop has already left its fixed point; where that is below
+        rounding, the largest component is positive. Its size would turn the body by `PUSH` of the
+        error within one horizon, and leaves the sum with the optimal torque inside the limit.
+        """
+        direction = mode[3:] / np.linalg.norm(mode[3:])
+        amplitude = float(mode @ offset)
+        if abs(amplitude) <= NOISE * np.linalg.norm(mode):
+            amplitude = float(direction[np.argmax(np.abs(direction))])
+        size = PUSH * error * self._smallest_inertia / (self._ocp.time_step * self._horizon_time)
+        if self._ocp.max_torque > 0.0:
+            # The limit is on the controls: their norm is at most |torque| / sigma_min(B).
+            gain = float(np.linalg.svd(np.asarray(self._ocp.actuators), compute_uv=False)[-1])
+            size = min(size, max(0.0, solution.torque_margin) * min(1.0, gain))
+        return np.asarray(math.copysign(size, amplitude) * direction)
+
+    def _active(self, solution: Solution) -> str:
+        """Name of the constraint nearest to its bound; empty where none is active."""
+        if len(solution.zone_margins):
+            closest = int(np.argmin(solution.zone_margins))
+            if solution.zone_margins[closest] < TOUCHING:
+                return self._names[closest]
+        limit = self._ocp.max_torque
+        return "torque limit" if solution.torque_margin < TOUCHING * limit else ""

@@ -1,0 +1,184 @@
+"""Kernels behind `shooting.ShootingSolver`: one solve, and many.
+
+``arena`` is the work space of one solver, a flat array that `arena_size` measures; ``kept`` (4,)
+tells what of it an earlier solve left for the chord: two entries for each formulation.
+"""
+
+from __future__ import annotations
+
+import math
+
+from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc.lie._mat3_kernels import (
+    dot,
+    inverse,
+    load3,
+    load9,
+    load9_rows,
+    mat_t_mat,
+    mat_t_vec,
+    store3,
+    store9,
+    vee_antisymmetric,
+)
+from spacecraft_gnc.ocp._newton_kernels import CHORD, CONVERGED, SADDLE, newton
+from spacecraft_gnc.ocp._shooting_kernels import newton_shooting
+from spacecraft_gnc.ocp._stage_kernels import M_U, Z_AT, horizon_cost, set_track, work_size
+from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE, factorize, smallest_pivot
+
+BAD_STATE, BAD_REFERENCE = -1, -2
+ROTATION_ERROR_SQUARED = 1e-12  # square of types.ROTATION_TOLERANCE
+_VECTORS = 12  # columns of guess, trial, resid, step
+_SINGLE = 108  # numbers of the Jacobian (6, 6) and its carrier (6, 12) of single shooting
+_TRACK = 27
+_INPUTS = 21  # numbers of the state and reference that a batch hands to `solve`
+
+
+def arena_size(n, m):
+    """Length of the arena for n steps and m controls."""
+    return _TRACK + _SINGLE + n * (work_size(m) + FACTOR_SIZE + _VECTORS) + _INPUTS
+
+
+@kernel
+def _is_rotation(R):
+    """Whether |R^T R - I|_F^2 is small and det R > 0; false for NaN."""
+    S = mat_t_mat(R, R)
+    error = 0.0
+    for i in range(9):
+        e = S[i] - (1.0 if i % 4 == 0 else 0.0)
+        error += e * e
+    return error <= ROTATION_ERROR_SQUARED and inverse(R)[1] > 0.0
+
+
+@kernel
+def _angle(A, B):
+    """Angle between two rotations, accurate near 0 and near pi."""
+    E = mat_t_mat(A, B)
+    v = vee_antisymmetric(E)
+    return math.atan2(math.sqrt(dot(v, v)), 0.5 * (E[0] + E[4] + E[8] - 1.0))
+
+
+@kernel
+def _margins(zones, R, margins):
+    """Smallest angle to each zone over the horizon (negative: violated)."""
+    for i in range(zones.shape[0]):
+        v = (zones[i, 0], zones[i, 1], zones[i, 2])
+        d = (zones[i, 3], zones[i, 4], zones[i, 5])
+        sign, closest = zones[i, 7], -math.inf
+        for k in range(R.shape[0]):
+            closest = max(closest, sign * dot(v, mat_t_vec(load9(R, k), d)))
+        cosine = max(-1.0, min(1.0, sign * closest))
+        margins[i] = sign * (math.acos(cosine) - math.acos(zones[i, 6]))
+
+
+@kernel
+def _carve(arena, N, m):
+    """Cut the arena into track, W, (guess, trial, resid, step, fac), T and E."""
+    a, b = _TRACK, _TRACK + N * (Z_AT + m)
+    track, W = arena[:a].reshape((3, 3, 3)), arena[a:b].reshape((N, Z_AT + m))
+    n = 3 * N
+    guess, trial = arena[b : b + n].reshape((N, 3)), arena[b + n : b + 2 * n].reshape((N, 3))
+    b += 2 * n
+    resid, step = arena[b : b + n].reshape((N, 3)), arena[b + n : b + 2 * n].reshape((N, 3))
+    b += 2 * n
+    fac = arena[b : b + FACTOR_SIZE * N].reshape((N, FACTOR_SIZE))
+    b += FACTOR_SIZE * N
+    T, E = arena[b : b + 72].reshape((6, 12)), arena[b + 72 : b + 108].reshape((6, 6))
+    return track, W, (guess, trial, resid, step, fac), T, E
+
+
+@kernel
+def _sweep(problem, horizon, work, kept, warm, rule, damping, estimated, tolerance, max_steps):
+    """Solve by the backward sweep from the multipliers ``warm`` (N, 6)."""
+    for k in range(warm.shape[0]):
+        store3(work[0], k, load3(warm, k, 3))
+    return newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, max_steps)
+
+
+@kernel
+def _shoot(problem, horizon, fac, T, E, kept, warm, options):
+    """Solve by single shooting from row 0 of ``warm``; the sweep certifies what it finds."""
+    body, data, zones, track = problem
+    R, Pi, _, lam, W = horizon
+    rule, damping, estimated, tolerance, max_steps = options
+    store3(lam, 0, load3(warm, 0))
+    store3(lam, 0, load3(warm, 0, 3), 3)
+    status, steps, norm = newton_shooting(
+        problem, horizon, T, E, kept, rule, damping, estimated, tolerance, max_steps
+    )
+    if not math.isfinite(norm):
+        return status, steps, norm, math.inf, math.nan
+    cost = horizon_cost(data, zones, track, R, Pi, W)
+    if status != CONVERGED:
+        return status, steps, norm, cost, math.nan
+    factorize(body, data, zones, track, R, Pi, lam, W, fac, 0.0, False)
+    pivot = smallest_pivot(data[0], fac)
+    return (CONVERGED if pivot > 0.0 else SADDLE), steps, norm, cost, pivot
+
+
+@kernel
+def solve(
+    body, data, zones, inputs, warm, R, Pi, u, lam, margins, arena, kept,
+    single, rule, damping, estimated, tolerance, max_steps,
+):  # fmt: skip
+    """Solve from ``inputs`` (7, 3), rows R, Pi, R_ref; fills R, Pi, u, lam and the zone margins.
+
+    Returns status (negative: input refused), steps, residual, cost, curvature, largest |u|^2, the
+    angle from R_0 to R_ref and the angle turned over the horizon.
+    """
+    N = u.shape[0]
+    nan = math.nan
+    R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
+    if not _is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
+        return BAD_STATE, 0, nan, nan, nan, nan, nan, nan
+    if not _is_rotation(R_ref):
+        return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
+    track, W, work, T, E = _carve(arena, N, int(data[M_U]))
+    set_track(data, R_ref, track)
+    store9(R, 0, R_0)
+    store3(Pi, 0, Pi_0)
+    problem, horizon = (body, data, zones, track), (R, Pi, u, lam, W)
+    if rule != CHORD:
+        kept[0], kept[2] = 0, 0
+    if single:
+        options = (rule, damping, estimated, tolerance, max_steps)
+        status, steps, norm, cost, pivot = _shoot(
+            problem, horizon, work[4], T, E, kept[2:], warm, options
+        )
+    else:
+        status, steps, norm, cost, pivot = _sweep(
+            problem, horizon, work, kept[:2], warm, rule, damping, estimated, tolerance, max_steps
+        )
+    if status != CONVERGED:
+        kept[0], kept[2] = 0, 0
+    if not math.isfinite(norm):
+        return status, steps, norm, nan, nan, nan, nan, nan
+    largest = 0.0
+    for k in range(N):
+        zz = 0.0
+        for i in range(Z_AT, W.shape[1]):
+            zz += W[k, i] * W[k, i]
+        largest = max(largest, zz)
+    _margins(zones, R, margins)
+    error, travel = _angle(R_ref, R_0), _angle(R_0, load9(R, N))
+    return status, steps, norm, cost, pivot, largest, error, travel
+
+
+@kernel
+def solve_batch(
+    body, data, zones, states, R_ref, warm, R, Pi, u, lam, margins, arena, kept,
+    single, rule, damping, estimated, tolerance, max_steps, numbers,
+):  # fmt: skip
+    """Solve from every row of ``states`` (n, 4, 3), R over Pi, cold; ``numbers`` (n, 8) as `solve`.
+
+    ``inputs`` of `solve` is made in the last numbers of the arena.
+    """
+    inputs = arena[arena.shape[0] - _INPUTS :].reshape((7, 3))
+    for j in range(states.shape[0]):
+        inputs[:4] = states[j]
+        inputs[4:] = R_ref
+        n = numbers[j]
+        n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7] = solve(
+            body, data, zones, inputs, warm, R[j], Pi[j], u[j], lam[j], margins[j], arena, kept,
+            single, rule, damping, estimated, tolerance, max_steps,
+        )  # fmt: skip

@@ -1,0 +1,300 @@
+"""Kernels of the backward sweep: Newton's equations of the whole horizon, solved stage by stage.
+
+The unknowns are the multipliers lam2_k of all stages (``guess``, N x 3). `evaluate` makes controls
+of them by (38), rolls out and sweeps (34)-(37) backward; the mismatch ``resid`` = lam2 - guess is
+the gradient of the cost divided by -2 h U^-1, and zero exactly where the conditions hold.
+`factorize` carries delta lam_k = -V_k delta x_{k+1} + v_k backward, with V the second derivative of
+the cost to go; `substitute` solves for one right-hand side. `shooting` documents the method.
+
+A row of ``fac`` holds U, S^-1, K = S^-1 (V A)_2 (3 x 6), L = h V_{:,2} U (6 x 3), and F, M, A of the
+point of linearisation: everything `substitute` needs, so that a factorisation can be kept.
+"""
+
+from __future__ import annotations
+
+import math
+
+from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc.dynamics._lgvi_kernels import (
+    body_nonstandard_inertia,
+    relative_quaternion,
+    rotate_back,
+    rotate_rows,
+    rotation_of,
+)
+from spacecraft_gnc.lie._mat3_kernels import (
+    EYE,
+    add,
+    cross,
+    dot,
+    hat_mat,
+    inverse,
+    load3,
+    load9,
+    load9_flat,
+    mat_add,
+    mat_mat,
+    mat_scale,
+    mat_sub,
+    mat_t_mat,
+    mat_t_vec,
+    mat_vec,
+    scale,
+    store3,
+    store9,
+    store9_flat,
+    sub,
+    trace_minus,
+    transpose,
+    vee_antisymmetric,
+)
+from spacecraft_gnc.ocp._stage_kernels import (
+    A_AT,
+    M_AT,
+    P_AT,
+    S_P2,
+    S_Q2,
+    SIGMA_AT,
+    H,
+    attitude_gradient,
+    attitude_hessian,
+    control,
+    control_sensitivity,
+    costate_curvature,
+    data9,
+    momentum_map,
+    stage_cost,
+    terminal_cost,
+)
+
+SOLVED, UNSOLVABLE_STEP = 0, 3  # equal to ocp.Status
+U_AT, SI_AT, K1_AT, K2_AT, L1_AT, L2_AT, F_AT, MF_AT, AF_AT, FACTOR_SIZE = range(0, 90, 9)
+
+
+@kernel
+def store_stage(h, Jd, W, k, q0, q, p):
+    """Store F, M, A = F^T + hat(p) M and p = F^T Pi of stage k in W."""
+    F = rotation_of(q0, q)
+    M, _ = momentum_map(h, Jd, F)
+    store9_flat(W, k, F)
+    store9_flat(W, k, M, M_AT)
+    store9_flat(W, k, mat_add(transpose(F), hat_mat(p, M)), A_AT)
+    store3(W, k, p, P_AT)
+
+
+@kernel
+def sweep_costates(data, zones, track, R, Pi, lam, W):
+    """Sweep (34)-(37) backward over a rollout into lam (N, 6); returns the pattern of zones."""
+    N = W.shape[0]
+    h, S2, B = data[H], data9(data, S_Q2), load9(track, 0)
+    l1 = vee_antisymmetric(mat_t_mat(load9(R, N), load9(track, 1)))
+    l2 = scale(-1.0, mat_vec(data9(data, S_P2), load3(Pi, N)))
+    pattern = 0
+    for k in range(N - 1, -1, -1):
+        store3(lam, k, l1)
+        store3(lam, k, l2, 3)
+        if k > 0:
+            g, active = attitude_gradient(h, B, zones, load9(R, k))
+            pattern = 7 * pattern + active
+            swept = add(mat_t_vec(load9_flat(W, k, A_AT), l2), mat_t_vec(load9_flat(W, k, M_AT), l1))
+            l2 = sub(swept, scale(h, mat_vec(S2, load3(Pi, k))))
+            l1 = sub(mat_vec(load9_flat(W, k), l1), g)
+    return pattern
+
+
+@kernel
+def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
+    """Fill one horizon from ``guess``; returns status, cost, |resid|, pattern of active limits."""
+    N = u.shape[0]
+    h, Jd, R_ref = data[H], body_nonstandard_inertia(body), load9(track, 2)
+    R_k, Pi_k = load9(R, 0), load3(Pi, 0)
+    cost, pattern = 0.0, 0
+    for k in range(N):
+        q0, q, ok = relative_quaternion(body, h, Pi_k)
+        if not ok:
+            return UNSOLVABLE_STEP, math.inf, math.inf, 0
+        p = rotate_back(q0, q, Pi_k)
+        store_stage(h, Jd, W, k, q0, q, p)
+        u_k, sigma = control(data, load3(guess, k), W, k)
+        W[k, SIGMA_AT] = sigma
+        pattern = 2 * pattern + (1 if sigma > 0.0 else 0)
+        cost += stage_cost(data, zones, R_ref, R_k, Pi_k, W, k)
+        store3(u, k, u_k)
+        R_k = rotate_rows(q0, q, R_k)
+        Pi_k = add(p, scale(h, u_k))
+        store9(R, k + 1, R_k)
+        store3(Pi, k + 1, Pi_k)
+    pattern = 7 * pattern + sweep_costates(data, zones, track, R, Pi, lam, W)
+    total = 0.0
+    for k in range(N):
+        r = sub(load3(lam, k, 3), load3(guess, k))
+        store3(resid, k, r)
+        total += dot(r, r)
+    return SOLVED, cost + terminal_cost(data, track, R_k, Pi_k), math.sqrt(total), pattern
+
+
+@kernel
+def _is_definite(S):
+    """Whether the eigenvalues of S = I + h V22 U, which are real, are all positive.
+
+    By the signs of its characteristic polynomial: U may be singular to rounding, S is not.
+    """
+    minors = S[0] * S[4] - S[1] * S[3] + S[0] * S[8] - S[2] * S[6] + S[4] * S[8] - S[5] * S[7]
+    return S[0] + S[4] + S[8] > 0.0 and minors > 0.0
+
+
+@kernel
+def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
+    """Linearise and sweep V backward; returns -1 if all is definite, else the last stage that is not.
+
+    ``rho`` >= 0 is Levenberg's term: U becomes U (I + rho U)^-1.
+    """
+    h, Jd = data[H], body_nonstandard_inertia(body)
+    S2, B = data9(data, S_Q2), load9(track, 0)
+    N = W.shape[0]
+    V11 = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), load9(track, 1))))
+    V12 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    V21 = V12
+    V22 = data9(data, S_P2)
+    indefinite = -1
+    for k in range(N - 1, -1, -1):
+        U = control_sensitivity(data, W, k, estimated)
+        if rho > 0.0:
+            U = mat_mat(U, inverse(mat_add(EYE, mat_scale(rho, U)))[0])
+        L2 = mat_scale(h, mat_mat(V22, U))
+        S = mat_add(EYE, L2)
+        S_inverse, det = inverse(S)
+        if indefinite < 0 and not (det > 0.0 and _is_definite(S)):
+            indefinite = k
+        F, M, A = load9_flat(W, k), load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
+        Y12 = mat_add(mat_mat(V11, M), mat_mat(V12, A))
+        Y22 = mat_add(mat_mat(V21, M), mat_mat(V22, A))
+        Y11, Y21 = mat_mat(V11, transpose(F)), mat_mat(V21, transpose(F))
+        K1, K2 = mat_mat(S_inverse, Y21), mat_mat(S_inverse, Y22)
+        store9_flat(fac, k, U, U_AT)
+        store9_flat(fac, k, S_inverse, SI_AT)
+        store9_flat(fac, k, K1, K1_AT)
+        store9_flat(fac, k, K2, K2_AT)
+        store9_flat(fac, k, F, F_AT)
+        store9_flat(fac, k, M, MF_AT)
+        store9_flat(fac, k, A, AF_AT)
+        if k > 0:
+            L1 = mat_scale(h, mat_mat(V12, U))
+            store9_flat(fac, k, L1, L1_AT)
+            store9_flat(fac, k, L2, L2_AT)
+            X11, X12 = mat_sub(Y11, mat_mat(L1, K1)), mat_sub(Y12, mat_mat(L1, K2))
+            X21, X22 = mat_sub(Y21, mat_mat(L2, K1)), mat_sub(Y22, mat_mat(L2, K2))
+            l1, l2 = load3(lam, k), load3(lam, k, 3)
+            Z = costate_curvature(h, S2, Jd, F, M, A, l1, l2, load3(W, k, P_AT))
+            V11 = mat_add(mat_mat(F, X11), attitude_hessian(h, B, zones, load9(R, k)))
+            V12 = mat_mat(F, mat_add(X12, hat_mat(l1, M)))
+            V21 = mat_add(mat_t_mat(M, X11), mat_t_mat(A, X21))
+            V22 = mat_add(mat_add(mat_t_mat(M, X12), mat_t_mat(A, X22)), Z)
+    return indefinite
+
+
+@kernel
+def advance_deviation(h, fac, k, eta, d_Pi, du):
+    """Carry (eta, delta Pi) over stage k by (39)."""
+    return (
+        add(mat_t_vec(load9_flat(fac, k, F_AT), eta), mat_vec(load9_flat(fac, k, MF_AT), d_Pi)),
+        add(mat_vec(load9_flat(fac, k, AF_AT), d_Pi), scale(h, du)),
+    )
+
+
+@kernel
+def substitute(h, fac, resid, eta, d_Pi, rho, step):
+    """Solve for ``step`` (N, 3), the change of the guess, given an initial deviation (eta, d_Pi).
+
+    Returns the slope of the cost along it (for a zero deviation).
+    """
+    N = resid.shape[0]
+    v1, v2 = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(N - 1, -1, -1):
+        y = mat_vec(load9_flat(fac, k, SI_AT), sub(load3(resid, k), v2))
+        store3(step, k, y)
+        if k > 0:
+            w1 = add(v1, mat_vec(load9_flat(fac, k, L1_AT), y))
+            w2 = add(v2, mat_vec(load9_flat(fac, k, L2_AT), y))
+            v1 = mat_vec(load9_flat(fac, k, F_AT), w1)
+            M, A = load9_flat(fac, k, MF_AT), load9_flat(fac, k, AF_AT)
+            v2 = add(mat_t_vec(M, w1), mat_t_vec(A, w2))
+    slope = 0.0
+    for k in range(N):
+        K1, K2 = load9_flat(fac, k, K1_AT), load9_flat(fac, k, K2_AT)
+        y = sub(load3(step, k), add(mat_vec(K1, eta), mat_vec(K2, d_Pi)))
+        du = mat_vec(load9_flat(fac, k, U_AT), y)
+        store3(step, k, sub(y, scale(rho, du)) if rho > 0.0 else y)
+        slope -= 2.0 * h * dot(load3(resid, k), du)
+        eta, d_Pi = advance_deviation(h, fac, k, eta, d_Pi, du)
+    return slope
+
+
+@kernel
+def extreme_eigenvalues(Q):
+    """Smallest and largest eigenvalue of a symmetric matrix, by the trigonometric formula."""
+    mean = (Q[0] + Q[4] + Q[8]) / 3.0
+    D = mat_sub(Q, mat_scale(mean, EYE))
+    square = D[0] * D[0] + D[4] * D[4] + D[8] * D[8]
+    square += 2.0 * (D[1] * D[1] + D[2] * D[2] + D[5] * D[5])
+    size = math.sqrt(square / 6.0)
+    if not size > 0.0:
+        return mean, mean
+    cosine = 0.5 * inverse(mat_scale(1.0 / size, D))[1]
+    third = math.acos(max(-1.0, min(1.0, cosine))) / 3.0
+    lowest = mean + 2.0 * size * math.cos(third + 2.0 * math.pi / 3.0)
+    return lowest, mean + 2.0 * size * math.cos(third)
+
+
+@kernel
+def pivot_inverse(h, fac, k):
+    """Inverse of stage k's pivot: the torques' second derivative with all later stages optimal."""
+    Q = mat_scale(0.5 / h, mat_mat(load9_flat(fac, k, U_AT), load9_flat(fac, k, SI_AT)))
+    return mat_scale(0.5, mat_add(Q, transpose(Q)))
+
+
+@kernel
+def smallest_pivot(h, fac):
+    """Smallest eigenvalue of all pivots; positive exactly where the reduced Hessian is definite."""
+    smallest = math.inf
+    for k in range(fac.shape[0]):
+        lowest, highest = extreme_eigenvalues(pivot_inverse(h, fac, k))
+        # A direction that no actuator moves, or that the limit holds, has an inverse near zero.
+        pivot = 1.0 / highest if lowest > -1e-12 * abs(highest) else 1.0 / lowest
+        smallest = min(smallest, pivot)
+    return smallest
+
+
+@kernel
+def descent_at_saddle(h, fac, stage, step):
+    """Fill ``step`` with a direction of negative curvature that starts at an indefinite stage.
+
+    Later stages answer by their feedback; its sign makes the largest component of the torque
+    positive. Returns the size of the torque.
+    """
+    Q = pivot_inverse(h, fac, stage)
+    D = mat_sub(Q, mat_scale(extreme_eigenvalues(Q)[0], EYE))
+    a, b, c = (D[0], D[1], D[2]), (D[3], D[4], D[5]), (D[6], D[7], D[8])
+    n = cross(a, b)
+    for other in (cross(b, c), cross(c, a)):
+        if dot(other, other) > dot(n, n):
+            n = other
+    if not dot(n, n) > 0.0:
+        n = (1.0, 0.0, 0.0)
+    eta, d_Pi, size = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
+    for k in range(step.shape[0]):
+        y = (0.0, 0.0, 0.0)
+        if k == stage:
+            y = mat_vec(load9_flat(fac, k, SI_AT), n)
+        elif k > stage:
+            K1, K2 = load9_flat(fac, k, K1_AT), load9_flat(fac, k, K2_AT)
+            y = scale(-1.0, add(mat_vec(K1, eta), mat_vec(K2, d_Pi)))
+        du = mat_vec(load9_flat(fac, k, U_AT), y)
+        if k == stage:
+            largest = max(du[0], du[1], du[2])
+            if -min(du[0], du[1], du[2]) > largest:
+                y, du = scale(-1.0, y), scale(-1.0, du)
+            size = math.sqrt(dot(du, du))
+        store3(step, k, y)
+        eta, d_Pi = advance_deviation(h, fac, k, eta, d_Pi, du)
+    return size

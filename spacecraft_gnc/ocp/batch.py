@@ -1,0 +1,90 @@
+"""Many problems that differ in their initial state only, solved at kernel speed."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.errors import ShapeError
+from spacecraft_gnc.ocp._solve_kernels import solve_batch
+from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.ocp.shooting import ShootingSolver
+
+
+class BatchSolution(NamedTuple):
+    """Solved horizons, one row for each of n states; the fields are those of `Solution`."""
+
+    torques: Array
+    """(n, N, 3) [N m]"""
+    attitudes: Array
+    """(n, N+1, 3, 3)"""
+    momenta: Array
+    """(n, N+1, 3) [N m s]"""
+    costates: Array
+    """(n, N, 6)"""
+    status: NDArray[np.int64]
+    """(n,) values of `Status`."""
+    iterations: NDArray[np.int64]
+    """(n,)"""
+    residual: Array
+    """(n,)"""
+    cost: Array
+    """(n,)"""
+    min_curvature: Array
+    """(n,)"""
+    zone_margins: Array
+    """(n, number of zones) [rad]"""
+    solve_time: float
+    """Wall time of all [s]."""
+
+    @property
+    def converged(self) -> NDArray[np.bool_]:
+        """(n,) whether each state was solved."""
+        return np.asarray(self.status == 0)
+
+
+def solve_many(
+    solver: ShootingSolver, attitudes: ArrayLike, momenta: ArrayLike, reference: ArrayLike | None
+) -> BatchSolution:
+    """Solve from every state; see `ShootingSolver.solve_batch`."""
+    begun = perf_counter()
+    states = _states(attitudes, momenta)
+    target = as_rotation("reference", np.eye(3) if reference is None else reference)
+    n, steps = len(states), solver.ocp.horizon
+    R, Pi = np.empty((n, steps + 1, 3, 3)), np.empty((n, steps + 1, 3))
+    u, lam = np.empty((n, steps, 3)), np.empty((n, steps, 6))
+    margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
+    solver.run_batch(solve_batch, states, target, (R, Pi, u, lam, margins), numbers)
+    status = numbers[:, 0].astype(np.int64)
+    for row in np.flatnonzero(status < 0):  # name the first state that is none
+        as_rotation(f"attitudes[{row}]", states[row, :3])
+        as_vector3(f"momenta[{row}]", states[row, 3])
+    return BatchSolution(
+        torques=u,
+        attitudes=R,
+        momenta=Pi,
+        costates=lam,
+        status=status,
+        iterations=numbers[:, 1].astype(np.int64),
+        residual=numbers[:, 2],
+        cost=numbers[:, 3],
+        min_curvature=numbers[:, 4],
+        zone_margins=margins,
+        solve_time=perf_counter() - begun,
+    )
+
+
+def _states(attitudes: ArrayLike, momenta: ArrayLike) -> Array:
+    R, Pi = np.asarray(attitudes, dtype=np.float64), np.asarray(momenta, dtype=np.float64)
+    n = len(R) if R.ndim == 3 else 0
+    if R.shape != (n, 3, 3) or Pi.shape != (n, 3) or n == 0:
+        raise ShapeError(
+            f"attitudes, momenta: received arrays of shapes {R.shape} and {Pi.shape}; required "
+            "(n, 3, 3) and (n, 3) with n >= 1; stack one state in each row"
+        )
+    return np.concatenate([R, Pi[:, None, :]], axis=1)
