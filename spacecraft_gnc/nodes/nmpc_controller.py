@@ -14,6 +14,7 @@ from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._markers import encode_zone_markers
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
+from spacecraft_gnc.nodes._status import SolverStatusEncoder
 from spacecraft_gnc.nodes._topics import (
     CONTROLLER,
     REFERENCE,
@@ -43,9 +44,7 @@ class ControllerNode(GncNode):
         self._controller = scenario.build_controller()
         self._controller.warm_up()
         self._period_ns = convert.period_ns(self._controller.period)
-        self._status = convert.SolverStatusEncoder(
-            self._controller.name, scenario.controller.horizon
-        )
+        self._status = SolverStatusEncoder(self._controller.name, scenario.controller.horizon)
         free_run = scenario.plant.mode == "free_run"
         factor = scenario.plant.real_time_factor
         self._wall_period = self._controller.period / factor if free_run else math.nan
@@ -126,7 +125,7 @@ class ControllerNode(GncNode):
         self._publish_torque(self._torque_bytes)
         now = time.perf_counter()
         wall = (now - begun, self._wall_period - (now - self._arrival))
-        self._publish_status(self._status.encode(self._stamp, state.step, command.solution, wall))
+        self._publish_status(self._status.encode(self._stamp, state.step, command, wall))
 
     def _repeat(self) -> None:
         if self._state is not None and self._answered == self._state.step:

@@ -11,6 +11,7 @@ multiplied only up to index N-2, because (45) needs delta lambda_{N-1}.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from time import perf_counter
 from typing import NoReturn
@@ -157,6 +158,9 @@ class ShootingSolver:
             margin,
             x[4:7].copy(),
             self.ocp,
+            "single_shooting",
+            math.nan,
+            np.array([zone.margin(R).min() for zone in self.ocp.zones]),
         )
 
     def warm_up(self) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -24,6 +23,7 @@ class Status(IntEnum):
     NOT_FINITE = 4
     SINGULAR = 5
     STALLED = 6
+    ESCAPING = 7
 
     @property
     def advice(self) -> str:
@@ -39,6 +39,9 @@ _ADVICE = {
     Status.NOT_FINITE: "A number overflowed: check the weights and the state.",
     Status.SINGULAR: "The Jacobian is singular: start from another guess.",
     Status.STALLED: "The loop came to rest away from its target, at a local minimum of the cost.",
+    Status.ESCAPING: (
+        "The loop leaves an unstable standstill by a small torque added to the optimal one."
+    ),
 }
 
 
@@ -71,6 +74,12 @@ class Solution(NamedTuple):
     """(3, 3) attitude tracked, body to inertial."""
     ocp: AttitudeOcp
     """The problem solved."""
+    formulation: str
+    """How the optimality conditions were solved, e.g. ``"backward_sweep"``."""
+    min_curvature: float
+    """Smallest eigenvalue of the second derivative of the cost to the controls; NaN: not known."""
+    zone_margins: Array
+    """(n_zones,) smallest angle left to each zone over the horizon [rad] (negative: inside)."""
 
     @property
     def converged(self) -> bool:
@@ -83,20 +92,3 @@ class Solution(NamedTuple):
         if not self.converged:
             return None
         return np.asarray(self.costates[min(1, len(self.costates) - 1)])
-
-    @property
-    def zone_margins(self) -> Array:
-        """Smallest angle [rad] to each zone over the predicted attitudes (negative: inside)."""
-        return np.array([zone.margin(self.attitudes).min() for zone in self.ocp.zones])
-
-    @property
-    def min_curvature(self) -> float:
-        """Smallest eigenvalue of the second derivative of the cost to the controls.
-
-        A stationary point is a strict local minimum where it is positive. Computed when asked;
-        NaN if the horizon is not finite.
-        """
-        if not math.isfinite(self.cost):
-            return math.nan
-        hessian = self.ocp.hessian(self.torques, self.attitudes[0], self.momenta[0], self.reference)
-        return float(np.linalg.eigvalsh(hessian)[0])
