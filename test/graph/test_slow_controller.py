@@ -16,13 +16,16 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from spacecraft_gnc.launcher.launcher import Launcher
+from spacecraft_gnc.launcher.outcome import NodeDied
 from spacecraft_gnc.nodes._topics import TORQUE
+from spacecraft_gnc.recording.reader import read_flight
 
 pytestmark = pytest.mark.graph
 
 SOLVE = 0.3  # [s] wall
 AT_ONCE = 0.1  # [s] wall; a node that solves in its executor takes SOLVE
 CALLS = 5
+N_STEPS = 10
 PATIENCE = 30.0  # [s] wall
 OVERRIDES = ("plant.duration=4.0", "nmpc_controller.method=patient")
 PATIENT = f"""
@@ -33,10 +36,18 @@ class PatientController(ShootingController):
     name = "patient"
     slow = True
 
+    @classmethod
+    def from_scenario(cls, scenario):
+        controller = super().from_scenario(scenario)
+        controller.broken = scenario.controller.plugin.get("broken", False)
+        return controller
+
     def command(self, state, reference):
         end = time.perf_counter() + {SOLVE}
         while time.perf_counter() < end:  # as Python code that keeps the interpreter busy
             pass
+        if self.broken:
+            raise ZeroDivisionError("a defect")
         return super().command(state, reference)
 """
 ENTRY_POINTS = "[spacecraft_gnc.controllers]\npatient = patient:PatientController\n"
@@ -94,3 +105,22 @@ def test_a_slow_method_flies_the_same_and_answers_meanwhile(graph: Any, at: Any)
     assert_equals_simulation(out / "bag", *OVERRIDES)
     assert questioner.flown_on.done()
     assert statistics.median(questioner.answered_after) < AT_ONCE
+
+
+@pytest.mark.usefixtures("patient")
+def test_in_free_run_its_late_answers_are_counted(graph: Any) -> None:
+    free_run = ("plant.mode=free_run", f"plant.real_time_factor={0.4 / (SOLVE / 3.0)}")
+    out = graph.fly(*OVERRIDES, *free_run)
+    assert graph.exit_codes == dict.fromkeys(graph.exit_codes, 0)
+    assert graph.outcome.missed_deadlines > N_STEPS // 2
+    flight = read_flight(out / "bag")
+    assert flight.trajectory.n_steps == N_STEPS
+    assert flight.info.missing["solver_status"]  # of several states the last was answered
+
+
+@pytest.mark.usefixtures("patient")
+def test_its_exception_ends_the_run(graph: Any) -> None:
+    with pytest.raises(NodeDied, match="nmpc_controller") as caught:
+        graph.fly(*OVERRIDES, "nmpc_controller.plugin.broken=true")
+    assert caught.value.exit_code == 1
+    assert graph.exit_codes["nmpc_controller"] == 1

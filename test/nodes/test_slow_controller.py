@@ -193,6 +193,24 @@ def test_a_solve_without_end_does_not_hold_the_node(
     assert controller.trigger_activate().name == "SUCCESS"
 
 
+def test_a_node_configured_anew_does_not_wait_for_it(
+    ros: Any, controller: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(_worker, "_PATIENCE", 0.0)
+    ask(controller, 0)
+    worker = controller._worker
+    for transition in ("deactivate", "cleanup", "configure", "activate"):
+        assert getattr(controller, f"trigger_{transition}")().name == "SUCCESS"
+    assert worker.alive
+    sent: list[bytes] = []
+    controller._publish_torque = sent.append
+    controller._due = 100
+    ask(controller, 1)
+    Gated.gate.release(2)
+    ros.spin_until(lambda: sent and not worker.busy)
+    assert [convert.decode_torque(data).step for data in sent] == [1]
+
+
 def test_an_exception_in_the_thread_ends_the_node(ros: Any, controller: Any) -> None:
     Gated.error = ZeroDivisionError("a defect")
     ask(controller, 0)
