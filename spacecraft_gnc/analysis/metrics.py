@@ -39,7 +39,9 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         ``_0.1deg`` (time after which the error stays below for good [s]; None: never),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
         stage costs), ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
-        ``iterations_max``, ``unconverged_steps``, ``solve_time_median``, ``_p99``, ``_max`` [s],
+        ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
+        ``escaping_steps`` (at rest away from the target, and leaving there),
+        ``solve_time_median``, ``_p99``, ``_max`` [s],
         ``sources`` (steps by source), ``fallback_steps`` (steps without a solver's command).
     """
     controller = scenario.controller if scenario is not None else None
@@ -128,7 +130,9 @@ def _solver_metrics(trajectory: Trajectory) -> dict[str, Any]:
     return {
         "iterations_median": float(np.median(iterations)) if iterations.size else None,
         "iterations_max": int(iterations.max()) if iterations.size else None,
-        "unconverged_steps": int(np.count_nonzero(trajectory.status > 0)),
+        "unconverged_steps": int(np.count_nonzero(series.unconverged(trajectory))),
+        "stalled_steps": int(np.count_nonzero(trajectory.status == series.STALLED)),
+        "escaping_steps": int(np.count_nonzero(trajectory.status == series.ESCAPING)),
         "solve_time_median": _quantile(solve_time, 0.5),
         "solve_time_p99": _quantile(solve_time, 0.99),
         "solve_time_max": _quantile(solve_time, 1.0),

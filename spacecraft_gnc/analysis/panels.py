@@ -139,7 +139,7 @@ def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters
 def iterations(axes: Axes, trajectory: Trajectory) -> None:
     """Draw the iterations of each solve; those that did not converge are marked."""
     solved = trajectory.status >= 0
-    failed = trajectory.status > 0
+    failed = series.unconverged(trajectory)
     time, count = trajectory.time, trajectory.iterations
     axes.plot(time[solved], count[solved], ".", markersize=3, color=style.AXIS_COLOURS[0])
     if failed.any():

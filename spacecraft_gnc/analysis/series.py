@@ -6,9 +6,10 @@ one for the state after the last step. A row that a recording lost is NaN.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.types import Array
@@ -16,6 +17,10 @@ from spacecraft_gnc.types import Array
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario.schema import WeightParameters, ZoneParameters
+
+STALLED: Final = 6
+ESCAPING: Final = 7
+"""Of `ocp.Status`, whose import would load the kernels."""
 
 
 def state_times(trajectory: Trajectory) -> Array:
@@ -47,6 +52,12 @@ def attitude_error_deg(trajectory: Trajectory) -> Array:
 def torque_norm(trajectory: Trajectory) -> Array:
     """Return (n,) norms of the torque [N m]."""
     return np.asarray(np.linalg.norm(trajectory.torque, axis=1))
+
+
+def unconverged(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """Tell of the (n,) steps whether their solve failed; at a standstill it did not."""
+    status = trajectory.status
+    return np.asarray((status > 0) & (status < STALLED))
 
 
 def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:

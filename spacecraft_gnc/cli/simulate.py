@@ -167,6 +167,10 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("steps not solved", str(m["unconverged_steps"])),
         ("torque from", sources),
     ]
+    if m["stalled_steps"]:
+        rows.append(("steps at a standstill", f"{m['stalled_steps']}, away from the target"))
+    if m["escaping_steps"]:
+        rows.append(("steps leaving one", f"{m['escaping_steps']}, by an added torque"))
     if m["fallback_steps"]:
         text = f"{m['fallback_steps']} of {m['steps']} steps flew on a fallback torque"
         rows.append(("warning", text))

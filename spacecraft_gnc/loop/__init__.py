@@ -10,6 +10,7 @@ from spacecraft_gnc.loop.protocols import (
     Plant,
     Reference,
     Source,
+    Standstill,
     State,
 )
 from spacecraft_gnc.loop.trajectory import Trajectory
@@ -24,6 +25,7 @@ __all__ = [
     "Plant",
     "Reference",
     "Source",
+    "Standstill",
     "State",
     "Trajectory",
 ]

@@ -85,11 +85,12 @@ class _Log:
         self.attitude[k], self.momentum[k] = state.attitude, state.momentum
         self.reference[k], self.torque[k] = reference.attitude, command.torque
         self.source[k] = command.source
-        solution = command.solution
+        solution, status = command.solution, command.status
+        if status is not None:
+            self.status[k] = status
         if solution is not None:
-            self.iterations[k], self.status[k] = solution.iterations, solution.status
+            self.iterations[k], self.solve_time[k] = solution.iterations, solution.solve_time
             self.residual[k], self.cost[k] = solution.residual, solution.cost
-            self.solve_time[k] = solution.solve_time
 
     def finish(self, state: State, reference: Reference) -> Trajectory:
         """Close the record with the state after the last step."""

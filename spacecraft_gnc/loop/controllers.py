@@ -36,6 +36,7 @@ class ShootingController:
     """
 
     name = "shooting"
+    slow = False
 
     def __init__(self, solver: ShootingSolver) -> None:
         ocp = solver.ocp

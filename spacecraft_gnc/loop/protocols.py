@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from spacecraft_gnc.types import GovernorDecision, Invariants, Matrix3, Reference, State, Vector3
 
 if TYPE_CHECKING:  # a governor or a recorder needs no solver, whose kernels take long to import
-    from spacecraft_gnc.ocp.solution import Solution
+    from spacecraft_gnc.ocp.solution import Solution, Status
 
 __all__ = [
     "Command",
@@ -23,6 +23,7 @@ __all__ = [
     "Plant",
     "Reference",
     "Source",
+    "Standstill",
     "State",
 ]
 
@@ -37,6 +38,17 @@ class Source(IntEnum):
     ZERO = 4
 
 
+class Standstill(NamedTuple):
+    """A loop that came to rest away from its target."""
+
+    radius: float
+    """Spectral radius of the closed loop linearised there; above 1 it is unstable [-]."""
+    escaping: bool
+    """Whether the command leaves it by a small torque added to the optimal one."""
+    active_constraint: str
+    """Constraint that it leans on: a zone's name, ``"torque limit"``, or empty."""
+
+
 class Command(NamedTuple):
     """Torque for one control step, and where it comes from."""
 
@@ -45,6 +57,19 @@ class Command(NamedTuple):
     source: Source
     solution: Solution | None
     """The solve behind the command; None where none was made."""
+    standstill: Standstill | None = None
+    """The standstill that the loop is at; None: at none, or none was looked for."""
+
+    @property
+    def status(self) -> Status | None:
+        """How the step ended: the solve's status, or what the standstill says; None: no solve."""
+        if self.solution is None:
+            return None
+        solved = self.solution.status
+        if self.standstill is None:
+            return solved
+        statuses = type(solved)  # `ocp.Status`: to import it here would load the kernels
+        return statuses.ESCAPING if self.standstill.escaping else statuses.STALLED
 
 
 class Plant(Protocol):
@@ -82,6 +107,9 @@ class Controller(Protocol):
     """Control period [s]."""
     name: str
     """Method name, as in the scenario's ``method:``."""
+    slow: bool
+    """Whether a command may take longer than some milliseconds: a node then computes it in a
+    thread of its own, and never two at a time."""
 
     def warm_up(self) -> None:
         """Compile or load everything that `command` needs."""

@@ -33,7 +33,8 @@ class Trajectory:
     reference : (n, 3, 3) array
         Attitude tracked, body to inertial.
     iterations, status, source : (n,) arrays of int
-        Of the solve behind the torque: `ocp.Status`, `loop.Source`; iterations 0 without a solve.
+        Of the solve behind the torque: iterations, 0 without a solve; `Command.status` as a number
+        of `ocp.Status`, -1 without a solve; `loop.Source`.
     residual, cost, solve_time : (n,) arrays
         Residual of the optimality conditions, optimal cost of the horizon, wall time [s]; NaN
         without a solve.

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from geometry_msgs.msg import PoseStamped
@@ -13,9 +12,7 @@ from rosgraph_msgs.msg import Clock
 from spacecraft_gnc_msgs.msg import (
     AttitudeReference,
     AttitudeState,
-    GovernorStatus,
     PlantInvariants,
-    SolverStatus,
     TorqueCommand,
     WallTiming,
 )
@@ -25,7 +22,6 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.loop import guards
 from spacecraft_gnc.loop.protocols import (
     Command,
-    GovernorDecision,
     Invariants,
     Reference,
     Source,
@@ -34,9 +30,6 @@ from spacecraft_gnc.loop.protocols import (
 from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.nodes._topics import BODY_FRAME, INERTIAL_FRAME
 from spacecraft_gnc.types import Vector3
-
-if TYPE_CHECKING:  # the governor and the recorder need no solver
-    from spacecraft_gnc.ocp.solution import Solution
 
 _NS_PER_S = 1_000_000_000
 _INERTIAL = Header(frame_id=INERTIAL_FRAME)
@@ -206,93 +199,6 @@ def encode_wall_timing(stamp: Stamp, step: int, timing: Sequence[float]) -> byte
 def decode_string(data: bytes) -> str:
     """Return the text of a String."""
     return str(deserialize_message(data, String).data)
-
-
-class GovernorStatusEncoder:
-    """Serializes GovernorStatus; one layout for each name of a constraint."""
-
-    def __init__(self) -> None:
-        self._layouts: dict[str, Layout] = {}
-
-    def encode(self, stamp: Stamp, step: int, decision: GovernorDecision) -> bytes:
-        """Serialize the decision of one step."""
-        name = decision.active_constraint
-        layout = self._layouts.get(name)
-        if layout is None:
-            prototype = GovernorStatus(header=_INERTIAL, active_constraint=name)
-            layout = self._layouts[name] = Layout(prototype)
-        return layout.pack(
-            [
-                *stamp,
-                step,
-                decision.alpha,
-                decision.admissible,
-                decision.margin,
-                decision.evaluations,
-            ]
-        )
-
-
-class SolverStatusEncoder:
-    """Serializes SolverStatus; one layout for each shape of a horizon.
-
-    Parameters
-    ----------
-    method
-        The controller's name.
-    horizon
-        Steps of the horizon, for messages without a solve.
-    """
-
-    def __init__(self, method: str, horizon: int) -> None:
-        self._method = method
-        self._horizon = horizon
-        self._layouts: dict[tuple[int, int], Layout] = {}
-
-    def encode(
-        self, stamp: Stamp, step: int, solution: Solution | None, wall: tuple[float, float]
-    ) -> bytes:
-        """Serialize a solve with its wall time and slack; None: no solve was made."""
-        if solution is None:
-            plan = [math.nan] * (15 * self._horizon + 12)
-            return self._layout(self._horizon, 0).pack([*stamp, step, *_NO_SOLVE, *plan, *wall])
-        zone_margins = solution.zone_margins.tolist()
-        return self._layout(len(solution.torques), len(zone_margins)).pack(
-            [
-                *stamp,
-                step,
-                int(solution.status),
-                solution.iterations,
-                solution.residual,
-                solution.cost,
-                *solution.costates[0].tolist(),
-                solution.torque_margin,
-                *zone_margins,
-                math.nan,  # the curvature costs more than the solve: audits compute it
-                math.nan,
-                *solution.attitudes.ravel().tolist(),
-                *solution.momenta.ravel().tolist(),
-                *solution.torques.ravel().tolist(),
-                *wall,
-            ]
-        )
-
-    def _layout(self, horizon: int, n_zones: int) -> Layout:
-        layout = self._layouts.get((horizon, n_zones))
-        if layout is None:
-            prototype = SolverStatus(
-                header=_BODY,
-                method=self._method,
-                zone_margins=[0.0] * n_zones,
-                predicted_attitudes=[0.0] * (9 * (horizon + 1)),
-                predicted_momenta=[0.0] * (3 * (horizon + 1)),
-                predicted_torques=[0.0] * (3 * horizon),
-            )
-            layout = self._layouts[horizon, n_zones] = Layout(prototype)
-        return layout
-
-
-_NO_SOLVE = [SolverStatus.NOT_FINITE, 0, *([math.nan] * 2), *([math.nan] * 6), *([math.nan] * 3)]
 
 
 def _read(layout: Layout, data: bytes) -> list[Any]:

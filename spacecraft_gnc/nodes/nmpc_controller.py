@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 import time
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.loop.protocols import Command, Reference, State
 from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._markers import encode_zone_markers
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
+from spacecraft_gnc.nodes._status import SolverStatusEncoder
 from spacecraft_gnc.nodes._topics import (
     CONTROLLER,
     REFERENCE,
@@ -24,9 +26,22 @@ from spacecraft_gnc.nodes._topics import (
     WALL_STATUS_PERIOD,
     ZONE_MARKERS,
 )
+from spacecraft_gnc.nodes._worker import Worker
 from spacecraft_gnc.scenario import Scenario
 
 _NEVER = -1
+
+
+class _Job(NamedTuple):
+    """A control step to be answered."""
+
+    stamp: convert.Stamp
+    state: State
+    reference: Reference
+    arrival: float
+    """Wall time at which the state came [s]."""
+    begun: float
+    """Wall time at which the answer was begun [s]."""
 
 
 class ControllerNode(GncNode):
@@ -34,6 +49,9 @@ class ControllerNode(GncNode):
 
     Whichever comes last triggers the solve, so arrival order does not matter. A repeated state is
     answered by the same bytes.
+
+    A slow controller computes in a thread of its own, and the node stays responsive meanwhile. Of
+    the states that come during a solve the last is answered next; a step passed over is counted.
     """
 
     ROLE: ClassVar[str] = CONTROLLER
@@ -42,10 +60,9 @@ class ControllerNode(GncNode):
         """Build the controller and load its kernels."""
         self._controller = scenario.build_controller()
         self._controller.warm_up()
+        self._worker: Worker[_Job, Command] | None = None
         self._period_ns = convert.period_ns(self._controller.period)
-        self._status = convert.SolverStatusEncoder(
-            self._controller.name, scenario.controller.horizon
-        )
+        self._status = SolverStatusEncoder(self._controller.name, scenario.controller.horizon)
         free_run = scenario.plant.mode == "free_run"
         factor = scenario.plant.real_time_factor
         self._wall_period = self._controller.period / factor if free_run else math.nan
@@ -65,14 +82,30 @@ class ControllerNode(GncNode):
 
     def start(self) -> None:
         """Forget the past."""
+        if self._worker is not None and self._worker.alive:
+            raise LaunchError(
+                f"{self.ROLE}: received an activation while a solve of the last one goes on; "
+                "required its end; try again later"
+            )
         self._controller.reset()
         self._state_bytes = self._torque_bytes = b""
         self._state: State | None = None
         self._reference: Reference | None = None
         self._reference_step = self._answered = _NEVER
+        self._skipped = 0
         self._due = 0  # a ROS-time timer never fires at t = 0, where step 0 is due
         self._command: Command | None = None
         self._markers.publish(encode_zone_markers(self.scenario.controller.zones))
+        # A fast solve costs less than handing it to another thread and back.
+        self._worker = Worker(self, self._solve, self._on_solved) if self._controller.slow else None
+
+    def stop(self) -> None:
+        """Drop the solve that is under way."""
+        if self._worker is not None:
+            self._worker.close()
+        if self._skipped:
+            text = f"{self._skipped} steps passed over without an answer"
+            self.diagnose(DiagnosticStatus.WARN, text, {"skipped_steps": self._skipped})
 
     # What arrives.
 
@@ -112,24 +145,42 @@ class ControllerNode(GncNode):
 
     def _answer_if_due(self) -> None:
         state, reference = self._state, self._reference
-        if state is None or reference is None:
+        if state is None or reference is None or self._busy:
             return
         step = state.step
         if self._reference_step == step > self._answered and self._due >= step:
+            if self._answered != _NEVER:
+                self._skipped += step - self._answered - 1
             self._answered = step
-            self._answer(state, reference)
+            self._answer(_Job(self._stamp, state, reference, self._arrival, time.perf_counter()))
 
-    def _answer(self, state: State, reference: Reference) -> None:
-        begun = time.perf_counter()
-        self._command = command = self._controller.command(state, reference)
-        self._torque_bytes = convert.encode_torque(self._stamp, state.step, command)
+    @property
+    def _busy(self) -> bool:
+        return self._worker is not None and self._worker.busy
+
+    def _answer(self, job: _Job) -> None:
+        if self._worker is None:
+            self._publish(job, self._solve(job))
+        else:
+            self._worker.give(job)
+
+    def _solve(self, job: _Job) -> Command:
+        return self._controller.command(job.state, job.reference)
+
+    def _on_solved(self, job: _Job, command: Command) -> None:
+        self._publish(job, command)
+        self._answer_if_due()
+
+    def _publish(self, job: _Job, command: Command) -> None:
+        self._command = command
+        self._torque_bytes = convert.encode_torque(job.stamp, job.state.step, command)
         self._publish_torque(self._torque_bytes)
         now = time.perf_counter()
-        wall = (now - begun, self._wall_period - (now - self._arrival))
-        self._publish_status(self._status.encode(self._stamp, state.step, command.solution, wall))
+        wall = (now - job.begun, self._wall_period - (now - job.arrival))
+        self._publish_status(self._status.encode(job.stamp, job.state.step, command, wall))
 
     def _repeat(self) -> None:
-        if self._state is not None and self._answered == self._state.step:
+        if self._state is not None and self._answered == self._state.step and not self._busy:
             self._publish_torque(self._torque_bytes)
 
     def _report(self) -> None:
@@ -145,6 +196,7 @@ class ControllerNode(GncNode):
             "attitude_error": lie.angle_between(state.attitude, reference.attitude),
             "wall_solve_time": solve_time,
             "source": int(command.source),
+            "skipped_steps": self._skipped,
             "rejected_messages": self.refused,
         }
         text = f"step {state.step}"

@@ -11,6 +11,7 @@ from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._slew_server import SlewServer
+from spacecraft_gnc.nodes._status import GovernorStatusEncoder
 from spacecraft_gnc.nodes._topics import GOVERNOR, GOVERNOR_STATUS, REFERENCE, STATE, TARGET
 from spacecraft_gnc.scenario import Scenario
 
@@ -26,7 +27,7 @@ class GovernorNode(GncNode):
         """Build the governor and load its kernels."""
         self._governor = scenario.build_governor()
         self._governor.warm_up()
-        self._status = convert.GovernorStatusEncoder()
+        self._status = GovernorStatusEncoder()
         self._step = _NEVER
 
     def open(self) -> None:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import settle_time, summarize
+from spacecraft_gnc.ocp import Status
 
 
 def about_z(degrees):
@@ -111,6 +112,14 @@ def test_solver_metrics_leave_out_steps_without_a_solve():
         "ZERO": 1,
     }
     assert metrics["fallback_steps"] == 2
+
+
+def test_a_standstill_is_no_failed_solve():
+    assert (series.STALLED, series.ESCAPING) == (Status.STALLED, Status.ESCAPING)
+    status = np.array([0, 5, 6, 6, 7, -1])
+    metrics = summarize(at_rest(6, status=status))
+    counts = ("unconverged_steps", "stalled_steps", "escaping_steps")
+    assert [metrics[name] for name in counts] == [1, 2, 1]
 
 
 def test_a_flight_without_a_solver_has_no_solver_metrics():

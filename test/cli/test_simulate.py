@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.cli import simulate as module
 from spacecraft_gnc.cli._common import json_able
 from spacecraft_gnc.cli.main import main
@@ -88,6 +89,15 @@ def test_summary_for_people(capsys: pytest.CaptureFixture[str]) -> None:
     assert "limit 0.01 N m" in out
     assert "zone margin" not in out  # no zone, no row
     assert "\x1b" not in out
+
+
+def test_the_summary_tells_of_a_standstill() -> None:
+    metrics = summarize(load(CASE_1, ["plant.duration=4"]).build().run())
+    labels = {"steps at a standstill", "steps leaving one"}
+    assert not labels & dict(module.summary_rows(metrics)).keys()
+    rows = dict(module.summary_rows({**metrics, "stalled_steps": 3, "escaping_steps": 2}))
+    assert rows["steps at a standstill"].startswith("3,")
+    assert rows["steps leaving one"].startswith("2,")
 
 
 def test_quietly(capsys: pytest.CaptureFixture[str]) -> None:

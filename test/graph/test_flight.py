@@ -9,29 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from graph.comparison import assert_equals_simulation
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.recording.reader import read_flight
-from spacecraft_gnc.scenario import load
 
 pytestmark = pytest.mark.graph
 
-CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
-EXACT = (
-    "time",
-    "attitude",
-    "momentum",
-    "torque",
-    "reference",
-    "iterations",
-    "residual",
-    "cost",
-    "status",
-    "source",
-    "final_attitude",
-    "final_momentum",
-)
 SHORT = "plant.duration=20.0"
 
 
@@ -46,16 +31,6 @@ def payloads(bag: Path) -> dict[str, list[bytes]]:
             end = -16 if connection.topic == "/solver_status" else None
             found[connection.topic].append(bytes(data)[:end])
     return dict(found)
-
-
-def assert_equals_simulation(bag: Path, *overrides: str) -> None:
-    simulated = load(CASE1, overrides).build().run()
-    flown = read_flight(bag)
-    assert not flown.info.missing
-    assert not flown.info.overridden
-    for name in EXACT:
-        ours, theirs = getattr(flown.trajectory, name), getattr(simulated, name)
-        assert np.array_equal(ours, theirs), name
 
 
 def test_the_wall_fields_are_the_last_of_solver_status() -> None:

@@ -38,7 +38,9 @@ def solver_status(frame: str) -> SolverStatus:
     return SolverStatus(
         header=Header(frame_id=frame),
         method="shooting",
+        formulation="backward_sweep",
         zone_margins=[0.0] * 2,
+        active_constraint="star",
         predicted_attitudes=[0.0] * 27,
         predicted_momenta=[0.0] * 9,
         predicted_torques=[0.0] * 6,

@@ -1,0 +1,99 @@
+"""A thread beside the executor, for work that would block it."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable
+from functools import partial
+from queue import SimpleQueue
+from threading import Thread
+from typing import Generic, TypeVar
+
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.nodes._node import GncNode
+
+_PATIENCE = 2.0  # [s] wall time granted to a job at the end; less than a launcher grants a node
+
+Job = TypeVar("Job")
+Result = TypeVar("Result")
+
+
+class Worker(Generic[Job, Result]):
+    """Does one job after another in a thread of its own; the executor's thread gets the results.
+
+    All methods belong to the executor's thread. An exception of either function ends the node, as
+    it would in a callback.
+
+    Parameters
+    ----------
+    node : GncNode
+        Its executor takes the results.
+    compute : callable
+        Job to result, called in the worker's thread.
+    deliver : callable
+        Called with job and result in the executor's thread, unless the worker was closed meanwhile.
+    """
+
+    def __init__(
+        self,
+        node: GncNode,
+        compute: Callable[[Job], Result],
+        deliver: Callable[[Job, Result], None],
+    ) -> None:
+        self._node = node
+        self._compute = compute
+        self._deliver = deliver
+        self._jobs: SimpleQueue[Job | None] = SimpleQueue()
+        self._closed = False
+        self.busy = False
+        """Whether a job is under way."""
+        # A daemon, so that a job without end cannot keep the process from ending.
+        self._thread = Thread(target=self._work, name=f"{node.ROLE} worker", daemon=True)
+        self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread still runs."""
+        return self._thread.is_alive()
+
+    def give(self, job: Job) -> None:
+        """Begin a job."""
+        self.busy = True
+        self._jobs.put(job)
+
+    def close(self) -> None:
+        """Deliver no more, and wait a little for the thread to end."""
+        self._closed = True
+        self._jobs.put(None)
+        self._thread.join(_PATIENCE)
+
+    # In the worker's thread.
+
+    def _work(self) -> None:
+        while (job := self._jobs.get()) is not None:
+            try:
+                outcome = partial(self._deliver_if_open, job, self._compute(job))
+            except Exception as error:  # noqa: BLE001 - a thread would swallow it
+                outcome = partial(self._fail, error)
+            executor = self._node.executor
+            if executor is not None:
+                # The EventsExecutor knows no guard conditions.
+                executor.create_task(self._hand_over, outcome)
+
+    # In the executor's thread.
+
+    def _hand_over(self, outcome: Callable[[], None]) -> None:
+        self.busy = False
+        try:
+            outcome()
+        except Exception as error:  # noqa: BLE001 - here it would kill the process: ros2/rclpy#1641
+            self._fail(error)
+
+    def _deliver_if_open(self, job: Job, result: Result) -> None:
+        if not self._closed:
+            self._deliver(job, result)
+
+    def _fail(self, error: Exception) -> None:
+        if not isinstance(error, GncError):
+            self._node.get_logger().error("".join(traceback.format_exception(error)))
+        self._node.fail(error)

@@ -1,0 +1,37 @@
+"""A flight of the graph against the same flight without ROS."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.scenario import load
+
+CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
+EXACT = (
+    "time",
+    "attitude",
+    "momentum",
+    "torque",
+    "reference",
+    "iterations",
+    "residual",
+    "cost",
+    "status",
+    "source",
+    "final_attitude",
+    "final_momentum",
+)
+
+
+def assert_equals_simulation(bag: Path, *overrides: str) -> None:
+    """Every number of a bag is that of `gnc simulate`, to the last bit."""
+    simulated = load(CASE1, overrides).build().run()
+    flown = read_flight(bag)
+    assert not flown.info.missing
+    assert not flown.info.overridden
+    for name in EXACT:
+        ours, theirs = getattr(flown.trajectory, name), getattr(simulated, name)
+        assert np.array_equal(ours, theirs), name

@@ -1,0 +1,48 @@
+"""A command's status, and what of it the record of a flight keeps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from spacecraft_gnc.loop import Command, Reference, Source, Standstill, State
+from spacecraft_gnc.loop.controllers import ShootingController
+from spacecraft_gnc.ocp import Status
+
+REST = State(0, np.eye(3), np.zeros(3))
+TARGET = Reference(np.eye(3), np.zeros(3), np.zeros(3))
+STUCK = Standstill(0.9, escaping=False, active_constraint="star")
+
+
+def test_the_status_is_that_of_the_solve(build):
+    command = build().controller.command(REST, TARGET)
+    assert command.standstill is None
+    assert command.status is Status.CONVERGED
+
+
+@pytest.mark.parametrize(("escaping", "status"), [(False, Status.STALLED), (True, Status.ESCAPING)])
+def test_a_standstill_overrides_it(build, escaping, status):
+    command = build().controller.command(REST, TARGET)
+    command = command._replace(standstill=STUCK._replace(escaping=escaping))
+    assert command.status is status
+
+
+def test_without_a_solve_there_is_no_status():
+    assert Command(np.zeros(3), Source.ZERO, None).status is None
+
+
+def test_the_record_keeps_the_status_of_the_command(build, monkeypatch):
+    solve = ShootingController.command
+
+    def command(self, state, reference):
+        found = solve(self, state, reference)
+        return [
+            found,
+            found._replace(standstill=STUCK),
+            found._replace(solution=None),
+        ][state.step]
+
+    monkeypatch.setattr(ShootingController, "command", command)
+    flown = build(3).run()
+    assert flown.status.tolist() == [Status.CONVERGED, Status.STALLED, -1]
+    assert np.isfinite(flown.residual).tolist() == [True, True, False]
