@@ -146,11 +146,11 @@ CONTROLLER_CASES = {
         "at most 5 deg (inclusion zone 'star')", "choose another start, or widen the cone",
     ),
     "inclusion inside exclusion": Bad(
-        *beside_star("inclusion", [0.0, 0.0, 1.0], 3.0), "an attitude that both zones allow",
+        *beside_star("inclusion", [0.0, 0.0, 1.0], 3.0), "one attitude that both zones allow",
         "shrink an exclusion cone, widen an inclusion cone, or remove one of the two",
     ),
     "exclusions that cover the sphere": Bad(
-        *beside_star("exclusion", [0.0, 0.0, -1.0], 176.0), "an attitude that both zones allow",
+        *beside_star("exclusion", [0.0, 0.0, -1.0], 176.0), "one attitude that both zones allow",
         "shrink an exclusion cone, or remove one of the two",
     ),
     "exclusion inside exclusion": Bad(
@@ -167,7 +167,7 @@ CONTROLLER_CASES = {
     ),
     "zones of two axes at odds": Bad(
         *beside_star("inclusion", [0.0, 0.0, 1.0], 1.0, body_axis=[1.0, 0.01, 0.0]),
-        "an attitude that both zones allow", "widen an inclusion cone",
+        "one attitude that both zones allow", "widen an inclusion cone",
     ),
     "out of reach": Bad(
         "max_torque: 1.0", "max_torque: 0.01", "plant.duration",

@@ -95,10 +95,10 @@ def _complain_of_contradiction(checked: Checked, first: Cone, second: Cone) -> N
     cones = math.degrees(angle_of(first.cone_axis, second.cone_axis))
     other = f"{first.kind} zone {first.name!r} ({_degrees(first)} deg)"
     value = (
-        f"{_degrees(second)} deg of {second.kind}, whose cone axis is {cones:.6g} deg and whose "
-        f"body axis is {bodies:.6g} deg from that of {other}"
+        f"{_degrees(second)} deg of {second.kind}, with the cone axis {cones:.6g} deg and the body "
+        f"axis {bodies:.6g} deg from that of {other}, which leaves nothing"
     )
-    need = "an attitude that both zones allow, of which they leave none"
+    need = "at least one attitude that both zones allow"
     exclusions = first.is_exclusion, second.is_exclusion
     changes = [w for w, due in (("shrink", any(exclusions)), ("widen", not all(exclusions))) if due]
     cone = {"shrink": "an exclusion cone", "widen": "an inclusion cone"}
