@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from bad_controllers import CONTROLLER_CASES, Bad
 
 GOOD = """\
 plant:
@@ -15,6 +15,7 @@ nmpc_controller:
   ros__parameters:
     time_step: 0.8
     horizon: 5
+    max_torque: 1.0
     weights: {stage_torque: 1.0}
     zone_names: [star]
     zones:
@@ -27,14 +28,6 @@ launcher:
   ros__parameters:
     nodes: [plant, nmpc_controller, reference_governor, recorder]
 """
-
-
-class Bad(NamedTuple):
-    old: str
-    new: str
-    key: str
-    required: str
-    remedy: str
 
 
 CASES = {
@@ -225,6 +218,7 @@ CASES = {
         "launcher:", "/**:\n  ros__parameters:\n    foo: 1\nlauncher:", "/**.foo",
         "at least one node", "remove it",
     ),
+    **CONTROLLER_CASES,
 }  # fmt: skip
 
 FILES = {

@@ -58,7 +58,7 @@ def _section(name: str) -> str:
 
 def _type(spec: ParameterSpec) -> str:
     words = spec.kind.value.lower().replace("_array", "s").replace("dynamic", "double(s)")
-    sizes = {(3,): " (3)", (3, 3): " (9)"}
+    sizes = {(3,): " (3)", (3, 3): " (9)", (3, -1): " (3 m)"}
     return words + sizes.get(spec.shape, "")
 
 

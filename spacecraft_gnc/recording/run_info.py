@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.scenario import Scenario, load
+from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
 
 SCENARIO_ATTACHMENT: Final = "scenario.yaml"
 """Name under which a recorder attaches the scenario that flew, with overrides merged in."""
@@ -73,7 +73,8 @@ def parse_scenario(text: str, source: Path) -> tuple[Scenario | None, str]:
         file = Path(folder, SCENARIO_ATTACHMENT)
         file.write_text(text, encoding="utf-8")
         try:
-            scenario = load(file)
+            # as the nodes read it: a flight may have been cut short on purpose
+            scenario = from_sections(read_sections(file), str(file))
         except GncError as error:
             return None, str(error).splitlines()[0].replace(str(file), SCENARIO_ATTACHMENT)
     return replace(scenario, path=f"{source}/{SCENARIO_ATTACHMENT}"), ""

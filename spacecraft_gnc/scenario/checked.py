@@ -36,6 +36,17 @@ class Checked:
         """Return an admissible value; None where it was refused."""
         return self.values[section].get(name)
 
+    def is_changed(self, section: str, name: str) -> bool:
+        """Tell whether a value was given, admitted, and is not the default."""
+        value = self.get(section, name)
+        spec = spec_of(section, name, value)
+        return value is not None and spec is not None and value != spec.default
+
+    def is_laid_over(self, section: str, name: str) -> bool:
+        """Tell whether a value was given in another place than the lines of a file."""
+        entry = self.given.get(section, {}).get(name)
+        return entry is not None and entry.line is None
+
     def zone_names(self) -> tuple[str, ...]:
         """Return the zones that are defined, in the order of the file."""
         names = (zone_of(name) for name in self.given.get("nmpc_controller", {}))

@@ -13,6 +13,9 @@ import numpy as np
 
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.checked import Checked
+from spacecraft_gnc.scenario.checks_method import check_method
+from spacecraft_gnc.scenario.checks_pointing import check_pointing
+from spacecraft_gnc.scenario.checks_torque import check_torque
 from spacecraft_gnc.scenario.parameter import Value, specs_of
 from spacecraft_gnc.scenario.problems import shown, suggestion
 from spacecraft_gnc.scenario.schema import SECTIONS, PlantParameters
@@ -26,11 +29,13 @@ _ZONE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 def check_all(checked: Checked) -> None:
     """Add a problem for each pair of values that do not fit together."""
     _check_names(checked)
-    _check_variant(checked)
+    check_method(checked)
     _check_zones(checked)
     _check_inertia(checked)
     _check_times(checked)
     _check_momentum(checked)
+    check_pointing(checked)
+    check_torque(checked)
 
 
 def steps_in(period: float, step: float) -> int | None:
@@ -75,20 +80,6 @@ def _check_names(checked: Checked) -> None:
                 known = registry.names(spec.plugins)
                 need = f"one of {', '.join(known)}"
                 checked.complain(section, name, shown(value), need, suggestion(value, known))
-
-
-def _check_variant(checked: Checked) -> None:
-    method = checked.get("nmpc_controller", "method")
-    variant = checked.get("nmpc_controller", "variant")
-    built_in = registry.BUILT_IN["controllers"].get(str(method))
-    if built_in is None or not isinstance(variant, str):
-        return
-    entry = checked.given.get("nmpc_controller", {}).get("variant")
-    if entry is not None and variant not in built_in.variants:
-        known = built_in.variants
-        need = f"one of {', '.join(known)}" if known else f"no variant: {method} has none"
-        remedy = suggestion(variant, known)
-        checked.complain("nmpc_controller", "variant", shown(variant), need, remedy)
 
 
 def _check_zones(checked: Checked) -> None:

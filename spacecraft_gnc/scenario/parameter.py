@@ -66,7 +66,7 @@ class ParameterSpec:
     plugins: str = ""
     """Registry group that knows the names allowed; empty where none does."""
     shape: tuple[int, ...] = ()
-    """(): scalar, (3,), (3, 3) given as 9 numbers row-major, (-1,): any length."""
+    """(): scalar, (3,), (3, 3) given as 9 numbers row-major, (-1,): any length, (3, -1): 3 rows."""
     may_be_empty: bool = False
     required: bool = False
     nonzero: bool = False
@@ -81,6 +81,11 @@ class ParameterSpec:
     def length(self) -> int:
         """Numbers in the flat array; -1 where any number is allowed."""
         return -1 if -1 in self.shape else int(np.prod(self.shape))
+
+    @property
+    def rows(self) -> int:
+        """Number that the length of the flat array is a multiple of."""
+        return self.shape[0] if self.length == -1 and len(self.shape) > 1 else 1
 
     @property
     def range_text(self) -> str:
@@ -113,7 +118,7 @@ class ParameterSpec:
         """Type, size and unit in words, such as ``3 numbers [N m s]``."""
         text = _TYPE_TEXTS[self.kind]
         if self.kind is Kind.DOUBLE_ARRAY:
-            text = {(3,): "3 numbers", (3, 3): "9 numbers (3x3, row-major)"}.get(self.shape, text)
+            text = _ARRAY_TEXTS.get(self.shape, text)
         return f"{text} [{self.unit}]" if self.unit else text
 
     @property
@@ -137,6 +142,11 @@ _TYPE_TEXTS: Final = {
     Kind.DOUBLE_ARRAY: "a list of numbers with decimal points",
     Kind.STRING_ARRAY: "a list of strings",
     Kind.DYNAMIC: "a number with a decimal point, or 9 of them (3x3, row-major)",
+}
+_ARRAY_TEXTS: Final = {
+    (3,): "3 numbers",
+    (3, 3): "9 numbers (3x3, row-major)",
+    (3, -1): "3 m numbers (3 x m, row-major)",
 }
 
 

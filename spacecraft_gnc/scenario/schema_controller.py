@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, NodeParameters, parameter
-from spacecraft_gnc.types import Matrix3, Vector3
+from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -130,8 +130,20 @@ class ControllerParameters(NodeParameters):
     horizon: int = parameter(
         Kind.INTEGER, 5, "prediction horizon", unit="steps", minimum=1, maximum=10_000
     )
+    actuators: Array = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "actuator matrix B, torque = B u with one column an actuator, body frame; "
+        "empty: the identity",
+        shape=(3, -1),
+        may_be_empty=True,
+    )
     max_torque: float = parameter(
-        Kind.DOUBLE, 0.01, "largest norm of the torque; 0: no limit", unit="N m", minimum=0.0
+        Kind.DOUBLE,
+        0.01,
+        "largest norm of the actuator commands u (of the torque, without actuators); 0: no limit",
+        unit="N m",
+        minimum=0.0,
     )
     torque_penalty: float = parameter(
         Kind.DOUBLE,
@@ -156,6 +168,71 @@ class ControllerParameters(NodeParameters):
     )
     max_iterations: int = parameter(
         Kind.INTEGER, 50, "iterations after which a solve gives up", minimum=1
+    )
+    formulation: str = parameter(
+        Kind.STRING,
+        "auto",
+        "how the linear systems of Newton's method are formed and solved",
+        choices=("auto", "backward_sweep", "single_shooting"),
+    )
+    step_rule: str = parameter(
+        Kind.STRING,
+        "backtracking",
+        "length of Newton's steps; chord keeps the Jacobian while it contracts",
+        choices=("backtracking", "full", "damped", "chord"),
+    )
+    damping: float = parameter(
+        Kind.DOUBLE, 0.5, "length of the steps of step_rule damped", above=0.0, maximum=1.0
+    )
+    continuation: str = parameter(
+        Kind.STRING,
+        "none",
+        "homotopy that is tried where a solve fails",
+        choices=("none", "penalty", "state"),
+    )
+    standstill_error_deg: float = parameter(
+        Kind.DOUBLE,
+        0.1,
+        "attitude error above which a standstill is examined; 0: never",
+        unit="deg",
+        minimum=0.0,
+    )
+    nominal_rotation_vector: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "neighboring_extremal: initial attitude exp(hat(.)) of the stored nominal run; "
+        "empty: no nominal run, on-line method",
+        unit="rad",
+        shape=(3,),
+        may_be_empty=True,
+    )
+    nominal_momentum: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [0.0, 0.0, 0.0],
+        "neighboring_extremal: initial angular momentum of the stored nominal run, body frame",
+        unit="N m s",
+        shape=(3,),
+    )
+    exact_every: int = parameter(
+        Kind.INTEGER,
+        0,
+        "neighboring_extremal along a nominal run: an exact solve every that many steps; 0: never",
+        unit="steps",
+        minimum=0,
+    )
+    ne_tolerance: float = parameter(
+        Kind.DOUBLE,
+        1.0e-3,
+        "neighboring_extremal on-line: largest predicted error of the torque that is flown, "
+        "as a share of max_torque (of 1 N m without a limit)",
+        above=0.0,
+    )
+    ne_max_age: int = parameter(
+        Kind.INTEGER,
+        10,
+        "neighboring_extremal on-line: steps after which an exact solve is made anyway",
+        unit="steps",
+        minimum=1,
     )
     weights: WeightParameters = field(default_factory=WeightParameters)
     zones: tuple[ZoneParameters, ...] = ()

@@ -137,6 +137,12 @@ def _check_size(spec: ParameterSpec, value: Value) -> None:
             spec.requirement,
             f"write exactly {spec.length}",
         )
+    if len(value) % spec.rows:
+        raise Refusal(
+            f"{len(value)} numbers: {shown(value)}",
+            spec.requirement,
+            f"write {spec.rows} rows of equal length, one after the other",
+        )
     if not value:
         raise Refusal("[]", f"{spec.requirement}, at least one", "add one")
 

@@ -29,6 +29,7 @@ class Entry(NamedTuple):
     """None: refused when the file was read, and reported there."""
     file: str
     line: int | None = None
+    """None: laid over the file by ``--set``, or in memory from the start."""
     coerce: bool = False
     """An integer may stand for a double: true for ``--set``, false for a file handed to ROS 2."""
 

@@ -75,15 +75,17 @@ def test_full_weight_matrices_act_on_their_axes():
     assert cost == pytest.approx(0.5 * PERIOD * 3.0)
 
 
-@pytest.mark.parametrize(("kind", "margin"), [("exclusion", 15.0), ("inclusion", -25.0)])
-def test_zone_margins_are_signed_angles(kind, margin):
+@pytest.mark.parametrize(
+    ("kind", "half_angle", "margin"),
+    [("exclusion", 50.0, 65.0 - 50.0), ("inclusion", 92.0, 92.0 - 95.0)],
+)
+def test_zone_margins_are_signed_angles(kind, half_angle, margin):
     attitude = np.array([about_z(0.0), about_z(25.0), about_z(-5.0)])
     flight = trajectory(attitude, np.zeros((3, 3)), np.zeros((2, 3)))
-    metrics = summarize(flight, scenario({"a": zone([0.0, 1.0, 0.0], 50.0, kind)}))
+    metrics = summarize(flight, scenario({"a": zone([0.0, 1.0, 0.0], half_angle, kind)}))
     # the x axis comes within 65 deg of y, and is 95 deg away at the most
-    expected = {"exclusion": 65.0 - 50.0, "inclusion": 50.0 - 95.0}[kind]
-    assert metrics["zone_margin_deg"] == {"a": pytest.approx(expected)}
-    assert metrics["min_zone_margin_deg"] == pytest.approx(expected)
+    assert metrics["zone_margin_deg"] == {"a": pytest.approx(margin)}
+    assert metrics["min_zone_margin_deg"] == pytest.approx(margin)
 
 
 def test_the_least_margin_of_several_zones_counts():

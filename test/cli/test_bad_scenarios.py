@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from bad_controllers import CONTROLLER_CASES
 from bad_scenarios import CASES, FILES, GOOD, SETTINGS, Bad
 
 from spacecraft_gnc.cli.main import main
@@ -130,7 +131,7 @@ def test_bad_setting(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert remedy in err.rpartition("; ")[2]
 
 
-@pytest.mark.parametrize("command", ["check", "simulate"])
+@pytest.mark.parametrize("command", ["check", "simulate", "launch"])
 def test_every_command_refuses_alike(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -140,6 +141,39 @@ def test_every_command_refuses_alike(
     assert err == (
         f"error: {path}:10: nmpc_controller.horizon: received 0; "
         "required an integer [steps], 1 to 10000; raise it (1 to 10000)\n"
+    )
+
+
+@pytest.mark.parametrize("command", ["check", "simulate", "launch"])
+@pytest.mark.parametrize("name", CONTROLLER_CASES)
+def test_no_command_flies_it(
+    command: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = CONTROLLER_CASES[name]
+    path = write(tmp_path, GOOD.replace(case.old, case.new, 1))
+    code, out, err = run(capsys, command, path)
+    assert (code, out) == (2, "")
+    assert f": {case.key}: received " in err
+    assert "Traceback" not in err
+    assert [file.name for file in tmp_path.iterdir()] == ["scenario.yaml"]
+
+
+def test_a_flight_may_be_cut_short(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write(tmp_path, GOOD)
+    code, _, err = run(capsys, "check", path, "--set", "plant.duration=0.8")
+    assert (code, err) == (0, "")
+
+
+def test_a_pair_of_zones_is_told_at_the_line_of_the_second(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    case = CONTROLLER_CASES["exclusion around exclusion"]
+    path = write(tmp_path, GOOD.replace(case.old, case.new, 1))
+    _, _, err = run(capsys, "check", path)
+    assert err == (
+        f"error: {path}:20: nmpc_controller.zones.star.half_angle_deg: received 5 deg, a cone "
+        "wholly inside that of exclusion zone 'moon' (30 deg) for the same body axis; required a "
+        "zone that forbids what 'moon' does not forbid already; remove 'star', or mend its axes\n"
     )
 
 

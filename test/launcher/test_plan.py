@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from spacecraft_gnc.launcher.plan import LaunchRefused, make_plan
-from spacecraft_gnc.scenario import InvalidScenario, load
+from spacecraft_gnc.scenario import InvalidScenario, from_sections, read_sections
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 
@@ -29,7 +29,7 @@ def test_the_file_is_handed_on_unchanged() -> None:
 def test_overrides_are_merged_into_a_file_of_the_run() -> None:
     plan = make_plan(CASE1, ["plant.duration=2"], out=Path("x"), record=False)
     assert plan.parameter_file == Path("x/scenario.yaml")
-    merged = load(plan.parameter_file)
+    merged = from_sections(read_sections(plan.parameter_file))  # as a node reads it
     assert merged.plant.duration == 2.0
     assert merged.plant.peers == ("nmpc_controller", "reference_governor")
     assert not plan.records

@@ -151,6 +151,16 @@ def test_the_recorded_scenario_is_loaded(tmp_path):
     assert info.scenario.path == f"{bag}/scenario.yaml"
 
 
+def test_the_scenario_of_a_flight_cut_short_is_loaded(tmp_path):
+    """`gnc launch --duration` records the short duration as that of the file."""
+    short = SCENARIO.replace(
+        "time_step: 0.4", "duration: 4.8\n    initial_momentum: [0.0, 0.0, 0.2]"
+    )
+    info = read_flight(record(tmp_path / "bag", flight_messages(FLIGHT), scenario=short)).info
+    assert info.warnings() == []
+    assert info.scenario.plant.duration == 4.8
+
+
 def test_a_scenario_that_this_version_refuses_is_a_warning(tmp_path):
     bag = record(
         tmp_path / "bag", flight_messages(FLIGHT), scenario=SCENARIO.replace("max_torque", "thrust")

@@ -22,8 +22,8 @@ INERTIA = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
 ZONE = {
     "kind": "inclusion",
     "body_axis": [1.0, 0.0, 0.0],
-    "inertial_axis": [0.0, 0.0, 2.0],
-    "half_angle_deg": 30.0,
+    "inertial_axis": [2.0, 0.0, 0.0],
+    "half_angle_deg": 60.0,
     "penalty": 10.0,
 }
 
@@ -76,7 +76,10 @@ def test_zones_and_weights() -> None:
             "plant": {"inertia": INERTIA},
             "nmpc_controller": {
                 "zone_names": ["sun", "earth"],
-                "zones": {"earth": {**ZONE, "penalty": 3}, "sun": ZONE},
+                "zones": {
+                    "earth": {**ZONE, "inertial_axis": [1.0, 1.0, 0.0], "penalty": 3},
+                    "sun": ZONE,
+                },
                 "weights": {"stage_attitude": weight, "stage_torque": 2},
             },
         }
@@ -84,11 +87,20 @@ def test_zones_and_weights() -> None:
     sun, earth = scenario.controller.zones
     assert (sun.name, earth.name) == ("sun", "earth")
     assert (sun.kind, sun.half_angle_deg, sun.penalty, earth.penalty) == (
-        "inclusion", 30.0, 10.0, 3.0,
+        "inclusion", 60.0, 10.0, 3.0,
     )  # fmt: skip
-    np.testing.assert_array_equal(sun.inertial_axis, [0.0, 0.0, 2.0])
+    np.testing.assert_array_equal(sun.inertial_axis, [2.0, 0.0, 0.0])
     np.testing.assert_array_equal(scenario.controller.weights.stage_attitude.ravel(), weight)
     np.testing.assert_array_equal(scenario.controller.weights.stage_torque, 2.0 * np.eye(3))
+
+
+def test_actuators_come_as_columns() -> None:
+    four = [1.0, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.5]
+    controller = {"actuators": four}
+    scenario = from_sections({"plant": {"inertia": INERTIA}, "nmpc_controller": controller})
+    np.testing.assert_array_equal(scenario.controller.actuators[:, 3], [0.5, 0.5, 0.5])
+    assert load(CASE_1).controller.actuators.shape == (3, 0)
+    assert np.isnan(load(CASE_1).controller.nominal_rotation_vector).all()
 
 
 @pytest.mark.parametrize("section", [name for name in SECTIONS if name != "plant"])

@@ -1,0 +1,62 @@
+"""Whether the method reads what is given for it."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from spacecraft_gnc.scenario import registry
+from spacecraft_gnc.scenario.checked import Checked
+from spacecraft_gnc.scenario.problems import shown, suggestion
+
+_CONTROLLER: Final = "nmpc_controller"
+_NEWTON: Final = ("shooting", "neighboring_extremal")
+_NEIGHBORING: Final = ("neighboring_extremal",)
+READERS: Final = {
+    "formulation": _NEWTON,
+    "step_rule": _NEWTON,
+    "damping": _NEWTON,
+    "continuation": _NEWTON,
+    "nominal_rotation_vector": _NEIGHBORING,
+    "nominal_momentum": _NEIGHBORING,
+    "exact_every": _NEIGHBORING,
+    "ne_tolerance": _NEIGHBORING,
+    "ne_max_age": _NEIGHBORING,
+}
+"""Parameter -> built-in methods that read it; those that all read are absent."""
+_OF_A_NOMINAL_RUN: Final = ("nominal_momentum", "exact_every")
+
+
+def check_method(checked: Checked) -> None:
+    """Add a problem for each parameter that the method would ignore, and for an unknown variant.
+
+    A default that is stated changes nothing, and the launcher states them all: only values that
+    differ are refused. A method of another package may read anything.
+    """
+    method = checked.get(_CONTROLLER, "method")
+    built_in = registry.BUILT_IN["controllers"].get(str(method))
+    if built_in is None:
+        return
+    _check_variant(checked, str(method), built_in.variants)
+    for name, readers in READERS.items():
+        if method not in readers and checked.is_changed(_CONTROLLER, name):
+            need = f"a method that reads it ({' or '.join(readers)}), not {method}"
+            remedy = f"remove it, or set method: {readers[0]}"
+            _complain(checked, name, need, remedy)
+    nominal = checked.get(_CONTROLLER, "nominal_rotation_vector")
+    if method not in _NEIGHBORING or nominal != []:
+        return
+    for name in _OF_A_NOMINAL_RUN:
+        if checked.is_changed(_CONTROLLER, name):
+            need = "nominal_rotation_vector beside it, as there is no nominal run without"
+            _complain(checked, name, need, "give nominal_rotation_vector, or remove it")
+
+
+def _check_variant(checked: Checked, method: str, known: tuple[str, ...]) -> None:
+    variant = checked.get(_CONTROLLER, "variant")
+    if checked.is_changed(_CONTROLLER, "variant") and variant not in known:
+        need = f"one of {', '.join(known)}" if known else f"no variant: {method} has none"
+        _complain(checked, "variant", need, suggestion(str(variant), known))
+
+
+def _complain(checked: Checked, name: str, need: str, remedy: str) -> None:
+    checked.complain(_CONTROLLER, name, shown(checked.get(_CONTROLLER, name)), need, remedy)
