@@ -57,7 +57,7 @@ def torque_norm(trajectory: Trajectory) -> Array:
 def unconverged(trajectory: Trajectory) -> NDArray[np.bool_]:
     """Tell of the (n,) steps whether their solve failed; at a standstill it did not."""
     status = trajectory.status
-    return np.asarray((status > 0) & (status < STALLED))
+    return np.asarray((status > 0) & (status != STALLED) & (status != ESCAPING))
 
 
 def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:

@@ -1,33 +1,75 @@
-"""Torque laws behind the `Controller` protocol."""
+"""Torque laws behind the `Controller` protocol: the solvers of `ocp`, with what a flight needs.
+
+Every controller here flies the same way: one solve from the last one's multipliers, the failure
+ladder behind it, and the certificate of the loop at a standstill.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.loop.ladder import FALLBACK_BANDWIDTH, FallbackLadder, SaturatedFeedback
-from spacecraft_gnc.loop.protocols import Command, Reference, State
+from spacecraft_gnc.loop.ladder import FallbackLadder
+from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
+from spacecraft_gnc.loop.standstill import StandstillMonitor
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
+    FsolveSolver,
+    NeighboringExtremal,
+    NeighboringOptions,
+    PenaltyContinuation,
     PointingZone,
     ShootingOptions,
     ShootingSolver,
+    SlsqpSolver,
     Solution,
+    StateContinuation,
     Weights,
 )
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.types import Array, ArrayLike
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
 
-class ShootingController:
-    """NMPC by indirect single shooting, warm-started, with the failure ladder behind it.
+class Solver(Protocol):
+    """What `SolverController` flies: any solver of `ocp`."""
+
+    ocp: AttitudeOcp
+
+    def solve(
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+        warm_start: Array | None = None,
+    ) -> Solution:
+        """Solve from a state."""
+
+    def warm_up(self) -> None:
+        """Compile or load the kernels."""
+
+
+class Continuation(Protocol):
+    """A detour to a solution, tried where the direct way fails."""
+
+    def solve(
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+    ) -> Solution:
+        """Solve from a state."""
+
+
+class SolverController:
+    """NMPC: one solve a step, the failure ladder behind it.
 
     Parameters
     ----------
-    solver : ShootingSolver
+    solver : Solver
+    monitor : StandstillMonitor, optional
+        Looks for standstills away from the target.
+    continuation : Continuation, optional
+        Tried where a solve fails warm and cold.
 
     Notes
     -----
@@ -35,24 +77,21 @@ class ShootingController:
     warm start behind; where a warm start fails, the same step is tried once more from zero.
     """
 
-    name = "shooting"
+    name = "solver"
     slow = False
 
-    def __init__(self, solver: ShootingSolver) -> None:
-        ocp = solver.ocp
+    def __init__(
+        self,
+        solver: Solver,
+        monitor: StandstillMonitor | None = None,
+        continuation: Continuation | None = None,
+    ) -> None:
         self.solver = solver
-        self.period = ocp.time_step
-        bandwidth = FALLBACK_BANDWIDTH / ocp.time_step
-        feedback = SaturatedFeedback(ocp.body.inertia, bandwidth, ocp.max_torque)
-        self._ladder = FallbackLadder(feedback)
+        self.period = solver.ocp.time_step
+        self._monitor = monitor
+        self._continuation = continuation
+        self._ladder = FallbackLadder(solver.ocp)
         self._warm_start: Array | None = None
-
-    @classmethod
-    def from_scenario(cls, scenario: Scenario) -> ShootingController:
-        """Build the controller of a scenario's section ``nmpc_controller``."""
-        c = scenario.controller
-        options = ShootingOptions(c.residual_tolerance, c.max_iterations)
-        return cls(ShootingSolver(problem_of(scenario), c.variant, options))
 
     def warm_up(self) -> None:
         """Compile or load the kernels."""
@@ -65,20 +104,120 @@ class ShootingController:
 
     def command(self, state: State, reference: Reference) -> Command:
         """Solve from ``state`` and return the torque of the highest rung of the ladder."""
-        return self._ladder.command(state, reference, self._solve(state, reference))
+        command = self._ladder.command(state, reference, self._solve(state, reference))
+        if self._monitor is None or command.solution is None or command.source > Source.OPTIMAL:
+            return command
+        finding = self._monitor.examine(command.solution)
+        if finding is None:
+            return command
+        return command._replace(torque=finding.torque, standstill=finding.standstill)
 
     def _solve(self, state: State, reference: Reference) -> Solution | None:
+        problem = (state.attitude, state.momentum, reference.attitude)
         try:
-            solution = self.solver.solve(
-                state.attitude, state.momentum, reference.attitude, self._warm_start
-            )
+            solution = self.solver.solve(*problem, self._warm_start)
             if self._warm_start is not None and not solution.converged:
-                solution = self.solver.solve(state.attitude, state.momentum, reference.attitude)
+                solution = self.solver.solve(*problem)
+            if self._continuation is not None and not solution.converged:
+                solution = self._continuation.solve(*problem)
         except GncError:  # a state or reference that is no state: the ladder deals with it
             self._warm_start = None
             return None
         self._warm_start = solution.warm_start
         return solution
+
+
+class ShootingController(SolverController):
+    """``method: shooting``: Newton's method on the first-order conditions."""
+
+    name = "shooting"
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> ShootingController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        ocp, options = problem_of(scenario), options_of(scenario)
+        solver = ShootingSolver(ocp, scenario.controller.variant, options)
+        return cls(solver, monitor_of(scenario, ocp), continuation_of(scenario, ocp))
+
+
+class OnlineNeighboringController(SolverController):
+    """``method: neighboring_extremal``: corrections of the last optimum, solves where needed."""
+
+    name = "neighboring_extremal"
+
+    def __init__(
+        self,
+        solver: NeighboringExtremal,
+        monitor: StandstillMonitor | None = None,
+        continuation: Continuation | None = None,
+    ) -> None:
+        super().__init__(solver, monitor, continuation)
+        self._sequence = solver
+
+    def reset(self) -> None:
+        """Forget warm start, plan and the last optimum."""
+        super().reset()
+        self._sequence.reset()
+
+
+class SlsqpController(SolverController):
+    """``method: slsqp``: scipy's sequential quadratic programming, the papers' baseline."""
+
+    name = "slsqp"
+    slow = True
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> SlsqpController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        ocp = problem_of(scenario)
+        return cls(SlsqpSolver(ocp), monitor_of(scenario, ocp))
+
+
+class FsolveController(SolverController):
+    """``method: fsolve``: MINPACK on the shooting equations, the papers' other baseline."""
+
+    name = "fsolve"
+    slow = True
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> FsolveController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        ocp = problem_of(scenario)
+        return cls(FsolveSolver(ocp), monitor_of(scenario, ocp))
+
+
+def online_neighboring(scenario: Scenario) -> OnlineNeighboringController:
+    """Build the on-line controller of a scenario's section ``nmpc_controller``."""
+    c, ocp = scenario.controller, problem_of(scenario)
+    sequence = NeighboringExtremal(
+        ocp, NeighboringOptions(c.ne_tolerance, c.ne_max_age), options_of(scenario)
+    )
+    return OnlineNeighboringController(
+        sequence, monitor_of(scenario, ocp), continuation_of(scenario, ocp)
+    )
+
+
+def options_of(scenario: Scenario) -> ShootingOptions:
+    """Return the options of Newton's method of a scenario's section ``nmpc_controller``."""
+    c = scenario.controller
+    return ShootingOptions(
+        c.residual_tolerance, c.max_iterations, c.formulation, c.step_rule, c.damping
+    )
+
+
+def monitor_of(scenario: Scenario, ocp: AttitudeOcp) -> StandstillMonitor:
+    """Return the standstill monitor of a scenario's section ``nmpc_controller``."""
+    c = scenario.controller
+    names = [zone.name for zone in c.zones]
+    return StandstillMonitor(ocp, math.radians(c.standstill_error_deg), names)
+
+
+def continuation_of(scenario: Scenario, ocp: AttitudeOcp) -> Continuation | None:
+    """Return the continuation that a scenario asks for; None where it asks for none."""
+    word, options = scenario.controller.continuation, options_of(scenario)
+    if word == "penalty":
+        return PenaltyContinuation(ocp, options)
+    return StateContinuation(ocp, options) if word == "state" else None
 
 
 def problem_of(scenario: Scenario) -> AttitudeOcp:
@@ -108,4 +247,5 @@ def problem_of(scenario: Scenario) -> AttitudeOcp:
             )
             for zone in c.zones
         ),
+        actuators=c.actuators if c.actuators.size else None,
     )

@@ -1,6 +1,6 @@
 """The failure ladder: which torque is flown when the best one is not to be had.
 
-optimal -> (neighbouring extremal) -> shifted plan -> saturated feedback -> zero torque.
+optimal -> neighbouring extremal -> shifted plan -> saturated feedback -> zero torque.
 """
 
 from __future__ import annotations
@@ -12,11 +12,15 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
-from spacecraft_gnc.ocp import Solution
-from spacecraft_gnc.types import Array, Matrix3, Vector3
+from spacecraft_gnc.ocp import AttitudeOcp, Solution
+from spacecraft_gnc.ocp.linearization import Linearization, deviation, linearize
+from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
+from spacecraft_gnc.types import Matrix3, Vector3
 
 # Bandwidth of the fallback law in units of 1/period: slow enough for any sampled double integrator.
 FALLBACK_BANDWIDTH = 0.05
+# Attitude [rad] off the plan up to which its neighbouring extremal is trusted.
+NEIGHBORHOOD = 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,28 +61,53 @@ class FallbackLadder:
 
     Parameters
     ----------
-    feedback : SaturatedFeedback
-        The law for when no plan is left.
+    ocp : AttitudeOcp
+        Gives the actuators and their limit, and the inertia and period of the feedback law.
     """
 
-    def __init__(self, feedback: SaturatedFeedback) -> None:
-        self._feedback = feedback
-        self._plan: Array = np.empty((0, 3))
-        self._plan_step = 0
+    def __init__(self, ocp: AttitudeOcp) -> None:
+        self._ocp = ocp
+        bandwidth = FALLBACK_BANDWIDTH / ocp.time_step
+        self._feedback = SaturatedFeedback(ocp.body.inertia, bandwidth, ocp.max_torque)
+        self.reset()
 
     def reset(self) -> None:
         """Forget the plan."""
-        self._plan = np.empty((0, 3))
+        self._plan: Solution | None = None
+        self._plan_step = 0
+        self._neighborhood: Linearization | None = None
 
     def command(self, state: State, reference: Reference, solution: Solution | None) -> Command:
         """Return the command of the highest rung that holds at ``state``."""
         if solution is not None and solution.converged and np.isfinite(solution.torques).all():
-            self._plan, self._plan_step = solution.torques, state.step
-            return Command(solution.torques[0], Source.OPTIMAL, solution)
+            self._plan, self._plan_step, self._neighborhood = solution, state.step, None
+            corrected = solution.formulation == NEIGHBORING
+            source = Source.NEIGHBORING_EXTREMAL if corrected else Source.OPTIMAL
+            return Command(solution.torques[0], source, solution)
         ahead = state.step - self._plan_step
-        if 0 < ahead < len(self._plan):
-            return Command(self._plan[ahead], Source.SHIFTED_PLAN, solution)
-        torque = self._feedback.torque(state, reference)
+        if self._plan is not None and 0 < ahead < len(self._plan.torques):
+            torque = self._corrected(self._plan, ahead, state, reference)
+            if torque is not None:
+                return Command(torque, Source.NEIGHBORING_EXTREMAL, solution)
+            return Command(self._plan.torques[ahead], Source.SHIFTED_PLAN, solution)
+        torque = self._ocp.realizable(self._feedback.torque(state, reference))
         if math.isfinite(float(torque @ torque)):
             return Command(torque, Source.FEEDBACK, solution)
         return Command(np.zeros(3), Source.ZERO, solution)
+
+    def _corrected(
+        self, plan: Solution, ahead: int, state: State, reference: Reference
+    ) -> Vector3 | None:
+        """Torque of the plan with its neighbouring extremal for where the body really is.
+
+        None where the target has changed, or where the body has left the plan's neighbourhood.
+        """
+        if not np.array_equal(reference.attitude, plan.reference):
+            return None
+        if self._neighborhood is None:
+            self._neighborhood = linearize(plan)
+        off = deviation(state.attitude, state.momentum, plan.attitudes[ahead], plan.momenta[ahead])
+        torque = plan.torques[ahead] + self._neighborhood.gains[ahead] @ off
+        if not np.isfinite(torque).all() or np.linalg.norm(off[:3]) > NEIGHBORHOOD:
+            return None
+        return self._ocp.realizable(torque)

@@ -38,8 +38,8 @@ class Finding(NamedTuple):
     """What the monitor found at a standstill."""
 
     standstill: Standstill
-    push: Vector3
-    """(3,) torque to add to the optimal one [N m]; zero where the loop is stalled."""
+    torque: Vector3
+    """(3,) torque to fly [N m]: the optimal one, or its sum with the escape torque."""
 
 
 class StandstillMonitor:
@@ -77,39 +77,39 @@ class StandstillMonitor:
 
     def _certify(self, solution: Solution, error: float) -> Finding | None:
         loop = linearize(solution).closed_loop
-        R, Pi = solution.attitudes, solution.momenta
-        drift = deviation(R[1], Pi[1], R[0], Pi[0])
-        to_fixed_point, *_ = np.linalg.lstsq(np.eye(6) - loop, drift, rcond=None)
+        attitudes, momenta = solution.attitudes, solution.momenta
+        drift = deviation(attitudes[1], momenta[1], attitudes[0], momenta[0])
+        to_fixed_point = np.asarray(np.linalg.lstsq(np.eye(6) - loop, drift, rcond=None)[0])
         if not np.isfinite(loop).all() or np.linalg.norm(to_fixed_point[:3]) > NEAR * error:
             return None
         values, vectors = np.linalg.eig(loop.T)  # left eigenvectors: w . x is a mode's amplitude
         worst = int(np.argmax(np.abs(values)))
         radius = float(np.abs(values[worst]))
         if radius <= 1.0 + MARGINAL:
-            return Finding(Standstill(radius, False, self._active(solution)), np.zeros(3))
-        mode = vectors[:, worst].real
-        push = self._escape_torque(mode, -to_fixed_point, solution, error)
-        return Finding(Standstill(radius, True, self._active(solution)), push)
+            stalled = Standstill(radius, False, self._active(solution))
+            return Finding(stalled, solution.torques[0])
+        push = self._escape_torque(vectors[:, worst].real, -to_fixed_point, error)
+        torque = self._ocp.realizable(solution.torques[0] + push)
+        return Finding(Standstill(radius, True, self._active(solution)), torque)
 
-    def _escape_torque(
-        self, mode: Array, offset: Array, solution: Solution, error: float
-    ) -> Vector3:
+    def _escape_torque(self, mode: Array, offset: Array, error: float) -> Vector3:
         """Torque that moves the unstable mode's amplitude the most.
 
         Its sign keeps the way the loop has already left its fixed point; where that is below
         rounding, the largest component is positive. Its size would turn the body by `PUSH` of the
-        error within one horizon, and leaves the sum with the optimal torque inside the limit.
+        error within one horizon, where the torque limit allows.
         """
-        direction = mode[3:] / np.linalg.norm(mode[3:])
+        ocp = self._ocp
+        direction = ocp.torque_map @ (ocp.allocation @ mode[3:])
+        length = float(np.linalg.norm(direction))
+        if length <= 1e-9 * float(np.linalg.norm(mode)):
+            return np.zeros(3)  # no actuator reaches the mode
+        direction = direction / length
         amplitude = float(mode @ offset)
         if abs(amplitude) <= NOISE * np.linalg.norm(mode):
             amplitude = float(direction[np.argmax(np.abs(direction))])
-        size = PUSH * error * self._smallest_inertia / (self._ocp.time_step * self._horizon_time)
-        if self._ocp.max_torque > 0.0:
-            # The limit is on the controls: their norm is at most |torque| / sigma_min(B).
-            gain = float(np.linalg.svd(np.asarray(self._ocp.actuators), compute_uv=False)[-1])
-            size = min(size, max(0.0, solution.torque_margin) * min(1.0, gain))
-        return np.asarray(math.copysign(size, amplitude) * direction)
+        size = PUSH * error * self._smallest_inertia / (ocp.time_step * self._horizon_time)
+        return ocp.realizable(np.asarray(math.copysign(size, amplitude) * direction))
 
     def _active(self, solution: Solution) -> str:
         """Name of the constraint nearest to its bound; empty where none is active."""

@@ -1,5 +1,11 @@
 """Optimal control problems on SO(3) and their solvers."""
 
+from spacecraft_gnc.ocp.baselines import FsolveSolver, SlsqpSolver
+from spacecraft_gnc.ocp.batch import BatchSolution
+from spacecraft_gnc.ocp.continuation import PenaltyContinuation, StateContinuation
+from spacecraft_gnc.ocp.linearization import Linearization, linearize
+from spacecraft_gnc.ocp.neighboring import NeighboringExtremal, NeighboringOptions
+from spacecraft_gnc.ocp.nominal import NominalRun, fly_nominal
 from spacecraft_gnc.ocp.problem import AttitudeOcp, Weights
 from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution, Status
@@ -7,10 +13,21 @@ from spacecraft_gnc.ocp.zones import PointingZone
 
 __all__ = [
     "AttitudeOcp",
+    "BatchSolution",
+    "FsolveSolver",
+    "Linearization",
+    "NeighboringExtremal",
+    "NeighboringOptions",
+    "NominalRun",
+    "PenaltyContinuation",
     "PointingZone",
     "ShootingOptions",
     "ShootingSolver",
+    "SlsqpSolver",
     "Solution",
+    "StateContinuation",
     "Status",
     "Weights",
+    "fly_nominal",
+    "linearize",
 ]

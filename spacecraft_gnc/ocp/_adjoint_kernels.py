@@ -112,9 +112,7 @@ def _deviation(W, k0, d_Pi, states):
         store3(states, k, eta)
         store3(states, k, d_Pi, 3)
         if k < N:
-            eta = add(
-                mat_t_vec(load9_flat(W, k), eta), mat_vec(load9_flat(W, k, M_AT), d_Pi)
-            )
+            eta = add(mat_t_vec(load9_flat(W, k), eta), mat_vec(load9_flat(W, k, M_AT), d_Pi))
             d_Pi = mat_vec(load9_flat(W, k, A_AT), d_Pi)
 
 

@@ -96,9 +96,7 @@ def _searched_step(problem, horizon, work, rho, estimated, cost, norm):
             while gamma > SMALLEST_STEP:
                 _move(guess, gamma, work[3], trial)
                 status, new_cost, new_norm, pattern = _at(problem, horizon, trial, resid)
-                if _is_better(
-                    status, new_cost, new_norm, cost, norm, gamma, slope, noise
-                ):
+                if _is_better(status, new_cost, new_norm, cost, norm, gamma, slope, noise):
                     _move(trial, 0.0, trial, guess)
                     relaxed = 0.1 * rho if rho >= 10.0 * FIRST_LEVENBERG else 0.0
                     following = relaxed if gamma == 1.0 else rho
@@ -138,7 +136,10 @@ def _chord_step(problem, horizon, work, norm):
 
 @kernel
 def _leave_saddle(problem, horizon, work, stage, cost):
-    """Step along negative curvature until the cost falls; returns status, cost, residual, pattern."""
+    """Step along negative curvature until the cost falls.
+
+    Returns status, cost, residual, pattern.
+    """
     body, data, _, _ = problem
     guess, trial, resid, step, fac = work
     h, J = data[H], body_inertia(body)
@@ -201,7 +202,7 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
                 cost, pattern = new_cost, new_pattern
                 continue
         before, used = pattern, 0.0
-        if rule == FULL or rule == DAMPED:
+        if rule in (FULL, DAMPED):
             gamma = damping if rule == DAMPED else 1.0
             status, cost, norm, pattern = _fixed_step(problem, horizon, work, gamma, estimated)
         else:

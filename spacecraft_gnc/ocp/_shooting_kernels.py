@@ -233,7 +233,7 @@ def _step(problem, horizon, T, E, E1, E2, norm, rule, damping, good_jacobian):
     while gamma >= SMALLEST_STEP:
         _move(lam, x1, x2, gamma, d1, d2)
         status, e1, e2, new_norm = _shoot(problem, horizon)
-        searching = rule == BACKTRACKING or rule == CHORD
+        searching = rule in (BACKTRACKING, CHORD)
         bound = (1.0 - SUFFICIENT_DECREASE * gamma) if good_jacobian else CONTRACTION
         if not searching or (status == CONVERGED and new_norm <= bound * norm):
             return status, e1, e2, new_norm
@@ -265,9 +265,7 @@ def newton_shooting(problem, horizon, T, E, kept, rule, damping, estimated, tole
         if steps == max_steps:
             break
         if rule == CHORD and kept[0] == 1:
-            status, E1, E2, norm = _step(
-                problem, horizon, T, E, E1, E2, norm, rule, damping, False
-            )
+            status, E1, E2, norm = _step(problem, horizon, T, E, E1, E2, norm, rule, damping, False)
             if status == CONVERGED:
                 continue
         shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimated)

@@ -34,13 +34,13 @@ _TRACK = 27
 _INPUTS = 21  # numbers of the state and reference that a batch hands to `solve`
 
 
-def arena_size(n, m):
+def arena_size(n: int, m: int) -> int:
     """Length of the arena for n steps and m controls."""
     return _TRACK + _SINGLE + n * (work_size(m) + FACTOR_SIZE + _VECTORS) + _INPUTS
 
 
 @kernel
-def _is_rotation(R):
+def is_rotation(R):
     """Whether |R^T R - I|_F^2 is small and det R > 0; false for NaN."""
     S = mat_t_mat(R, R)
     error = 0.0
@@ -72,7 +72,20 @@ def _margins(zones, R, margins):
 
 
 @kernel
-def _carve(arena, N, m):
+def summarise(zones, R_ref, R, W, margins):
+    """Fill the zone margins; returns the largest |u|^2, the first error and the angle turned."""
+    largest = 0.0
+    for k in range(W.shape[0]):
+        zz = 0.0
+        for i in range(Z_AT, W.shape[1]):
+            zz += W[k, i] * W[k, i]
+        largest = max(largest, zz)
+    _margins(zones, R, margins)
+    return largest, _angle(R_ref, load9(R, 0)), _angle(load9(R, 0), load9(R, W.shape[0]))
+
+
+@kernel
+def carve(arena, N, m):
     """Cut the arena into track, W, (guess, trial, resid, step, fac), T and E."""
     a, b = _TRACK, _TRACK + N * (Z_AT + m)
     track, W = arena[:a].reshape((3, 3, 3)), arena[a:b].reshape((N, Z_AT + m))
@@ -129,11 +142,11 @@ def solve(
     N = u.shape[0]
     nan = math.nan
     R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
-    if not _is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
+    if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
         return BAD_STATE, 0, nan, nan, nan, nan, nan, nan
-    if not _is_rotation(R_ref):
+    if not is_rotation(R_ref):
         return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
-    track, W, work, T, E = _carve(arena, N, int(data[M_U]))
+    track, W, work, T, E = carve(arena, N, int(data[M_U]))
     set_track(data, R_ref, track)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
@@ -153,14 +166,7 @@ def solve(
         kept[0], kept[2] = 0, 0
     if not math.isfinite(norm):
         return status, steps, norm, nan, nan, nan, nan, nan
-    largest = 0.0
-    for k in range(N):
-        zz = 0.0
-        for i in range(Z_AT, W.shape[1]):
-            zz += W[k, i] * W[k, i]
-        largest = max(largest, zz)
-    _margins(zones, R, margins)
-    error, travel = _angle(R_ref, R_0), _angle(R_0, load9(R, N))
+    largest, error, travel = summarise(zones, R_ref, R, W, margins)
     return status, steps, norm, cost, pivot, largest, error, travel
 
 

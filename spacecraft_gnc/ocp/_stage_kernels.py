@@ -30,7 +30,6 @@ from spacecraft_gnc.lie._mat3_kernels import (
     store9,
     sub,
     trace_minus,
-    transpose,
     vee_antisymmetric,
 )
 
@@ -45,7 +44,7 @@ M_AT, A_AT, P_AT, SIGMA_AT, Z_AT = 9, 18, 27, 30, 31
 ZONE_SIZE = 9
 
 
-def work_size(m):
+def work_size(m: int) -> int:
     """Columns of W for m controls."""
     return Z_AT + m
 

@@ -6,8 +6,8 @@ the gradient of the cost divided by -2 h U^-1, and zero exactly where the condit
 `factorize` carries delta lam_k = -V_k delta x_{k+1} + v_k backward, with V the second derivative of
 the cost to go; `substitute` solves for one right-hand side. `shooting` documents the method.
 
-A row of ``fac`` holds U, S^-1, K = S^-1 (V A)_2 (3 x 6), L = h V_{:,2} U (6 x 3), and F, M, A of the
-point of linearisation: everything `substitute` needs, so that a factorisation can be kept.
+A row of ``fac`` holds U, S^-1, K = S^-1 (V A)_2 (3 x 6), L = h V_{:,2} U (6 x 3), and F, M, A where
+it was linearised: everything `substitute` needs, so that a factorisation can be kept.
 """
 
 from __future__ import annotations
@@ -96,7 +96,8 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
         if k > 0:
             g, active = attitude_gradient(h, B, zones, load9(R, k))
             pattern = 7 * pattern + active
-            swept = add(mat_t_vec(load9_flat(W, k, A_AT), l2), mat_t_vec(load9_flat(W, k, M_AT), l1))
+            M, A = load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
+            swept = add(mat_t_vec(A, l2), mat_t_vec(M, l1))
             l2 = sub(swept, scale(h, mat_vec(S2, load3(Pi, k))))
             l1 = sub(mat_vec(load9_flat(W, k), l1), g)
     return pattern
@@ -145,7 +146,7 @@ def _is_definite(S):
 
 @kernel
 def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
-    """Linearise and sweep V backward; returns -1 if all is definite, else the last stage that is not.
+    """Linearise and sweep V backward; returns the last stage that is not definite, -1 for none.
 
     ``rho`` >= 0 is Levenberg's term: U becomes U (I + rho U)^-1.
     """
@@ -279,8 +280,7 @@ def descent_at_saddle(h, fac, stage, step):
     for other in (cross(b, c), cross(c, a)):
         if dot(other, other) > dot(n, n):
             n = other
-    if not dot(n, n) > 0.0:
-        n = (1.0, 0.0, 0.0)
+    n = n if dot(n, n) > 0.0 else (1.0, 0.0, 0.0)
     eta, d_Pi, size = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0
     for k in range(step.shape[0]):
         y = (0.0, 0.0, 0.0)

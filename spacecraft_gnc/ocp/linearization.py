@@ -14,7 +14,7 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.ocp import _stage_kernels, _sweep_kernels
-from spacecraft_gnc.ocp.problem import track_of
+from spacecraft_gnc.ocp.rollout import track_of
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 
@@ -36,7 +36,7 @@ class Linearization(NamedTuple):
         """(6, 6) derivative of one closed-loop step: A_0 + (0, h I) K_0."""
         jacobian = self.transitions[0].copy()
         jacobian[3:] += self.time_step * self.gains[0]
-        return jacobian
+        return np.asarray(jacobian)
 
 
 def linearize(solution: Solution) -> Linearization:
@@ -53,7 +53,7 @@ def linearize(solution: Solution) -> Linearization:
     _sweep_kernels.factorize(*problem, R, Pi, lam, W, fac, 0.0, False)
 
     def block(at: int) -> Array:
-        return fac[:, at : at + 9].reshape(n, 3, 3)
+        return np.asarray(fac[:, at : at + 9].reshape(n, 3, 3))
 
     transitions = np.zeros((n, 6, 6))
     transitions[:, :3, :3] = block(_sweep_kernels.F_AT).transpose(0, 2, 1)

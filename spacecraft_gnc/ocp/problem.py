@@ -19,7 +19,8 @@ import numpy as np
 
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels
+from spacecraft_gnc.ocp import _stage_kernels
+from spacecraft_gnc.ocp.rollout import Horizon
 from spacecraft_gnc.ocp.zones import PointingZone
 from spacecraft_gnc.types import (
     Array,
@@ -27,9 +28,7 @@ from spacecraft_gnc.types import (
     Matrix3,
     Vector3,
     as_actuators,
-    as_rotation,
     as_semidefinite,
-    as_vector3,
     read_only,
     require_positive,
 )
@@ -101,8 +100,14 @@ class AttitudeOcp:
     body: RigidBody = field(init=False, repr=False, compare=False)
     data: Array = field(init=False, repr=False, compare=False)
     zone_rows: Array = field(init=False, repr=False, compare=False)
+    torque_map: Array = field(init=False, repr=False, compare=False)
+    """(3, m) matrix B, whether it was given or not."""
     control_axes: Array = field(init=False, repr=False, compare=False)
     """(m, m) eigenvectors V of the control weight; the kernels count controls as V^T u."""
+    control_weights: Array = field(init=False, repr=False, compare=False)
+    """(m,) eigenvalues of that weight."""
+    allocation: Array = field(init=False, repr=False, compare=False)
+    """(m, 3) pseudo-inverse of B: the least controls that make a torque."""
 
     def __post_init__(self) -> None:
         body = RigidBody(np.asarray(self.inertia), self.time_step)
@@ -124,10 +129,13 @@ class AttitudeOcp:
         object.__setattr__(self, "body", body)
         object.__setattr__(self, "inertia", body.inertia)
         object.__setattr__(self, "zones", tuple(self.zones))
-        object.__setattr__(self, "actuators", as_actuators(self.actuators))
+        object.__setattr__(self, "torque_map", as_actuators(self.actuators))
+        allocation = np.asarray(np.linalg.pinv(self.torque_map), dtype=np.float64)
+        object.__setattr__(self, "allocation", read_only(allocation))
         weights, axes = _control_weight(self)
         object.__setattr__(self, "control_axes", read_only(axes))
-        object.__setattr__(self, "data", _pack(self, weights))
+        object.__setattr__(self, "control_weights", read_only(weights))
+        object.__setattr__(self, "data", _pack(self))
         object.__setattr__(self, "zone_rows", _zone_rows(self.zones))
 
     @property
@@ -139,7 +147,7 @@ class AttitudeOcp:
         self, controls: ArrayLike, attitude: ArrayLike, momentum: ArrayLike
     ) -> tuple[Array, Array]:
         """Return attitudes (N+1, 3, 3) and momenta (N+1, 3) under controls (N, m) [N m]."""
-        torques = self.checked_controls(controls) @ np.asarray(self.actuators).T
+        torques = self.checked_controls(controls) @ self.torque_map.T
         return self.body.simulate(attitude, momentum, np.ascontiguousarray(torques))
 
     def cost(
@@ -186,6 +194,17 @@ class AttitudeOcp:
         """Return the second derivative (mN, mN) of `cost` to the controls."""
         return Horizon(self, controls, attitude, momentum, reference).hessian()
 
+    def realizable(self, torque: Vector3) -> Vector3:
+        """Return the torque (3,) [N m] nearest to ``torque`` that the actuators can give.
+
+        What B cannot make is left out; where the controls would exceed the limit, all is scaled.
+        """
+        controls = self.allocation @ torque
+        size = float(np.linalg.norm(controls))
+        if 0.0 < self.max_torque < size:
+            controls = controls * (self.max_torque / size)
+        return np.asarray(self.torque_map @ controls)
+
     def checked_controls(self, controls: ArrayLike) -> Array:
         """Return ``controls`` as a contiguous (N, m) array; raise ParameterError if it is none."""
         u = np.array(controls, dtype=np.float64, order="C")
@@ -198,77 +217,6 @@ class AttitudeOcp:
         return u
 
 
-class Horizon:
-    """One control sequence rolled out, with the work arrays that the adjoint kernels share."""
-
-    def __init__(
-        self,
-        ocp: AttitudeOcp,
-        controls: ArrayLike,
-        attitude: ArrayLike,
-        momentum: ArrayLike,
-        reference: ArrayLike | None,
-    ) -> None:
-        n = ocp.horizon
-        self.ocp = ocp
-        controls = ocp.checked_controls(controls)
-        self.attitudes = np.empty((n + 1, 3, 3))
-        self.momenta = np.empty((n + 1, 3))
-        self.attitudes[0] = as_rotation("attitude", attitude)
-        self.momenta[0] = as_vector3("momentum", momentum)
-        self.work = np.zeros((n, _stage_kernels.work_size(ocp.n_controls)))
-        self.track = track_of(ocp, np.eye(3) if reference is None else reference)
-        turned = np.ascontiguousarray(controls @ ocp.control_axes)
-        done = _adjoint_kernels.rollout(
-            ocp.body.packed, ocp.data, self.attitudes, self.momenta, turned, self.work
-        )
-        if done != n:
-            ocp.body.require_solvable(f"momentum at step {done}", self.momenta[done])
-
-    def gradient(self) -> Array:
-        """Gradient (N, m) of the cost; fills `costates` (N, 6)."""
-        self.costates = np.empty((self.ocp.horizon, 6))
-        gradient = np.empty((self.ocp.horizon, self.ocp.n_controls))
-        _adjoint_kernels.adjoint_gradient(
-            self.ocp.data,
-            self.ocp.zone_rows,
-            self.track,
-            self.attitudes,
-            self.momenta,
-            self.costates,
-            self.work,
-            gradient,
-        )
-        return np.asarray(gradient @ self.ocp.control_axes.T)
-
-    def hessian(self) -> Array:
-        """Second derivative (mN, mN) of the cost."""
-        n, m = self.ocp.horizon, self.ocp.n_controls
-        self.gradient()
-        hessian = np.zeros((m * n, m * n))
-        _adjoint_kernels.reduced_hessian(
-            self.ocp.body.packed,
-            self.ocp.data,
-            self.ocp.zone_rows,
-            self.track,
-            self.attitudes,
-            self.momenta,
-            self.costates,
-            self.work,
-            np.empty((n + 1, 6)),
-            hessian,
-        )
-        axes = np.kron(np.eye(n), self.ocp.control_axes)
-        return np.asarray(axes @ hessian @ axes.T)
-
-
-def track_of(ocp: AttitudeOcp, reference: ArrayLike) -> Array:
-    """Return Q1 R_ref, P1 R_ref and R_ref (3, 3, 3), as the kernels want the reference."""
-    rotation: Matrix3 = as_rotation("reference", reference)
-    q1, p1 = ocp.weights.stage_attitude, ocp.weights.terminal_attitude
-    return np.stack([np.asarray(q1) @ rotation, np.asarray(p1) @ rotation, rotation])
-
-
 def _half_trace_minus(weight: ArrayLike) -> Matrix3:
     matrix = np.asarray(weight)
     return np.asarray(0.5 * (np.trace(matrix) * np.eye(3) - matrix))
@@ -277,7 +225,7 @@ def _half_trace_minus(weight: ArrayLike) -> Matrix3:
 def _control_weight(ocp: AttitudeOcp) -> tuple[Array, Array]:
     """Return eigenvalues (m,) and eigenvectors (m, m) of the weight of the controls."""
     weight = np.asarray(ocp.weights.stage_torque)
-    m = np.asarray(ocp.actuators).shape[1]
+    m = ocp.torque_map.shape[1]
     if m == 3:
         values, vectors = np.linalg.eigh(_half_trace_minus(weight))
         return values, vectors
@@ -289,7 +237,7 @@ def _control_weight(ocp: AttitudeOcp) -> tuple[Array, Array]:
     return np.full(m, weight[0, 0]), np.eye(m)
 
 
-def _pack(ocp: AttitudeOcp, control_weights: Array) -> Array:
+def _pack(ocp: AttitudeOcp) -> Array:
     w = ocp.weights
     numbers: list[Array] = [
         np.array([ocp.time_step, ocp.max_torque**2, ocp.torque_penalty]),
@@ -297,9 +245,9 @@ def _pack(ocp: AttitudeOcp, control_weights: Array) -> Array:
         np.ravel(np.asarray(w.terminal_attitude)),
         _half_trace_minus(w.stage_momentum).ravel(),
         _half_trace_minus(w.terminal_momentum).ravel(),
-        np.array([float(len(control_weights))]),
-        control_weights,
-        (np.asarray(ocp.actuators) @ ocp.control_axes).T.ravel(),
+        np.array([float(ocp.n_controls)]),
+        ocp.control_weights,
+        (ocp.torque_map @ ocp.control_axes).T.ravel(),
     ]
     return read_only(np.concatenate(numbers))
 

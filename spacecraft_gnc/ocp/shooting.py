@@ -14,11 +14,12 @@ the multipliers lambda. Two formulations of Newton's method solve it:
   pivots certify them.
 
 ``auto`` takes the backward sweep at every horizon: docs/solver.md has the measurements.
-`Solution.formulation` says which one was used. (38) has no inner root finder: see `_stage_kernels.control`.
+`Solution.formulation` says which one was used. (38) has no inner root finder: see
+`_stage_kernels.control`.
 
 Errata honoured: Gupta (18), the sum over delta u_k starts at k = 0; (42), the multiplier rows are
-multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherzadeh et al. 2023 (33):
-"+2 mu S(u) S(du) S(u)" is -4 mu S(u) S(du) S(u), and only where the limit acts.
+multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherzadeh et al. 2023
+(33): "+2 mu S(u) S(du) S(u)" is -4 mu S(u) S(du) S(u), and only where the limit acts.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ from time import perf_counter
 from typing import NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._solve_kernels import BAD_REFERENCE, BAD_STATE, arena_size, solve
@@ -114,6 +116,13 @@ class ShootingSolver:
         solved in closed form, so that the two estimated variants make the same numbers.
     options : ShootingOptions, optional
 
+    Attributes
+    ----------
+    formulation : str
+        What ``auto`` came to.
+    constants, work, inputs
+        Problem, work space and input rows, as the kernels of this package share them.
+
     Notes
     -----
     A solver owns work space and is not meant for several threads at once; solutions are
@@ -130,8 +139,8 @@ class ShootingSolver:
         self.formulation = AUTOMATIC if options.formulation == "auto" else options.formulation
         n = ocp.horizon
         self._n = n
-        self._constants = (ocp.body.packed, ocp.data, ocp.zone_rows)
-        self._work = (np.zeros(arena_size(n, ocp.n_controls)), np.zeros(4, np.int64))
+        self.constants = (ocp.body.packed, ocp.data, ocp.zone_rows)
+        self.work = (np.zeros(arena_size(n, ocp.n_controls)), np.zeros(4, np.int64))
         self._settings = (
             self.formulation == "single_shooting",
             STEP_RULES.index(options.step_rule),
@@ -140,7 +149,7 @@ class ShootingSolver:
             options.residual_tolerance,
             options.max_iterations,
         )
-        self._inputs = np.empty((7, 3))
+        self.inputs = np.empty((7, 3))
         self._cold = np.zeros((n, 6))
 
     def solve(
@@ -177,7 +186,7 @@ class ShootingSolver:
         n = self._n
         target = IDENTITY if reference is None else reference
         guess = self._cold if warm_start is None else warm_start
-        x = self._inputs  # one array of one type: one compiled kernel for every caller
+        x = self.inputs  # one array of one type: one compiled kernel for every caller
         try:
             x[:3], x[3], x[4:] = attitude, momentum, target
         except (ValueError, TypeError, IndexError):
@@ -186,10 +195,10 @@ class ShootingSolver:
             self._refuse_warm_start(guess)
         R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
         u, lam = np.empty((n, 3)), np.empty((n, 6))
-        body, data, zones = self._constants
+        body, data, zones = self.constants
         margins = np.empty(len(zones)) if len(zones) else NO_MARGINS
         code, steps, residual, cost, curvature, largest, error, travel = solve(
-            body, data, zones, x, guess, R, Pi, u, lam, margins, *self._work, *self._settings
+            body, data, zones, x, guess, R, Pi, u, lam, margins, *self.work, *self._settings
         )
         if code in (BAD_STATE, BAD_REFERENCE):
             self._refuse(attitude, momentum, target)
@@ -250,9 +259,14 @@ class ShootingSolver:
     ) -> None:
         """Hand many states (n, 4, 3) to a kernel with this solver's problem and settings."""
         kernel(
-            *self._constants, states, reference, self._cold, *outputs, *self._work,
+            *self.constants, states, reference, self._cold, *outputs, *self.work,
             *self._settings, numbers,
         )  # fmt: skip
+
+    @property
+    def kept(self) -> NDArray[np.int64]:
+        """(4,) whether the work space holds a factorisation, and the limits that acted there."""
+        return self.work[1]
 
     def warm_up(self) -> None:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""

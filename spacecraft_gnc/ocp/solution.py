@@ -79,7 +79,7 @@ class Solution(NamedTuple):
     formulation: str
     """How the conditions were solved, such as "backward_sweep"."""
     min_curvature: float
-    """Smallest pivot of the second derivative of the cost to the torques, swept backward [1/(N m)^2].
+    """Smallest pivot of the cost's second derivative to the torques, swept backward [(N m)^-2].
 
     A stationary point is a strict local minimum exactly where it is positive. Of the last
     linearisation, one Newton step from the solution; NaN where the solve did not converge.

@@ -56,6 +56,13 @@ class PointingZone:
 
     def margin(self, attitudes: Array) -> Array:
         """Return the angle [rad] from attitudes (..., 3, 3) to the cone (negative: violated)."""
-        cosine = np.einsum("i,...ji,j->...", self.body_axis, attitudes, self.inertial_axis)
-        angle = np.arccos(np.clip(cosine, -1.0, 1.0))
+        angle = np.arccos(np.clip(self._cosine(attitudes), -1.0, 1.0))
         return np.asarray(self.sign * (angle - self.half_angle))
+
+    def cosine_room(self, attitudes: Array) -> Array:
+        """Return -H_i of (30) at attitudes (..., 3, 3): smooth, and negative where violated."""
+        return np.asarray(self.sign * (math.cos(self.half_angle) - self._cosine(attitudes)))
+
+    def _cosine(self, attitudes: Array) -> Array:
+        axes = (self.body_axis, attitudes, self.inertial_axis)
+        return np.asarray(np.einsum("i,...ji,j->...", *axes))

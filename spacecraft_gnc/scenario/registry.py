@@ -31,7 +31,15 @@ class BuiltIn(NamedTuple):
 BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
     "plants": {"rigid_body": BuiltIn("spacecraft_gnc.loop.plants:RigidBodyPlant")},
     "controllers": {
-        "shooting": BuiltIn("spacecraft_gnc.loop.controllers:ShootingController", ("exact",)),
+        "shooting": BuiltIn(
+            "spacecraft_gnc.loop.controllers:ShootingController",
+            ("exact", "estimated_du", "estimated_u"),
+        ),
+        "neighboring_extremal": BuiltIn(
+            "spacecraft_gnc.loop.neighboring:NeighboringExtremalController"
+        ),
+        "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController"),
+        "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController"),
     },
     "governors": {"none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor")},
 }

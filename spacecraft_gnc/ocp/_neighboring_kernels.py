@@ -1,0 +1,76 @@
+"""Kernel of the on-line neighbouring extremal; see `neighboring`.
+
+It lives on what a backward sweep leaves in the solver's arena: the multipliers ``guess``, their
+mismatch ``resid`` at the state ``last`` (4, 3), rows R and Pi, and a factorisation.
+"""
+
+from __future__ import annotations
+
+import math
+
+from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc.lie._mat3_kernels import (
+    add,
+    dot,
+    load3,
+    load9_flat,
+    load9_rows,
+    mat_t_mat,
+    mat_vec,
+    scale,
+    store3,
+    store9,
+    sub,
+    vee_antisymmetric,
+)
+from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, summarise
+from spacecraft_gnc.ocp._stage_kernels import M_U, H
+from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, smallest_pivot, substitute
+
+REFUSED = -1
+
+
+@kernel
+def small_rotation_vector(E):
+    """Rotation vector of E, for angles below half a turn."""
+    v = vee_antisymmetric(E)
+    sine = math.sqrt(dot(v, v))
+    angle = math.atan2(sine, 0.5 * (E[0] + E[4] + E[8] - 1.0))
+    return scale(angle / sine, v) if sine > 1e-8 else v
+
+
+@kernel
+def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept, last):
+    """Carry the last optimum over to the state in ``inputs`` (7, 3), rows R, Pi, R_ref.
+
+    One solve with the kept factorisation predicts the multipliers, one evaluation shows what is
+    left of the conditions, and a second solve the error of the torque. Returns whether the state
+    was good and the same limits act, the predicted error of u_0, and the numbers of `solve`.
+    """
+    nan = math.nan
+    N = u.shape[0]
+    R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
+    track, W, work, _, _ = carve(arena, N, int(data[M_U]))
+    guess, trial, resid, step, fac = work
+    if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
+        return False, nan, nan, nan, nan, nan, nan, nan
+    eta = small_rotation_vector(mat_t_mat(load9_rows(last, 0), R_0))
+    substitute(data[H], fac, resid, eta, sub(Pi_0, load3(last, 3)), 0.0, step)
+    for k in range(N):
+        store3(trial, k, add(load3(guess, k), load3(step, k)))
+    store9(R, 0, R_0)
+    store3(Pi, 0, Pi_0)
+    status, cost, norm, pattern = evaluate(body, data, zones, track, trial, R, Pi, u, lam, resid, W)
+    if status != 0 or not math.isfinite(norm):
+        return False, nan, norm, nan, nan, nan, nan, nan
+    zero = (0.0, 0.0, 0.0)
+    substitute(data[H], fac, resid, zero, zero, 0.0, step)
+    left = mat_vec(load9_flat(fac, 0, U_AT), load3(step, 0))
+    for k in range(N):
+        store3(guess, k, load3(trial, k))
+    for i in range(4):
+        store3(last, i, load3(inputs, i))
+    largest, error, travel = summarise(zones, R_ref, R, W, margins)
+    same = pattern == kept[1]
+    pivot = smallest_pivot(data[H], fac) if same else nan
+    return same, math.sqrt(dot(left, left)), norm, cost, pivot, largest, error, travel

@@ -1,0 +1,203 @@
+"""The solvers that the papers compare with, built of scipy: `SlsqpSolver` and `FsolveSolver`.
+
+Both calculate derivatives numerically, as the papers' baselines did; cost and conditions are the
+compiled ones of this package, which is the best that can be done for them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+from scipy.optimize import minimize, root
+
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.ocp import _shooting_kernels
+from spacecraft_gnc.ocp._stage_kernels import Z_AT, horizon_cost, work_size
+from spacecraft_gnc.ocp.assembly import assemble, failed
+from spacecraft_gnc.ocp.linearization import linearize
+from spacecraft_gnc.ocp.problem import AttitudeOcp
+from spacecraft_gnc.ocp.rollout import Horizon, track_of
+from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
+
+FAR = 1e12  # cost of controls under which the integrator has no step
+
+
+class SlsqpSolver:
+    """Sequential quadratic programming on the controls: the role of MATLAB's fmincon.
+
+    The torque limit and the pointing zones are hard constraints, at the steps where the penalties
+    of `AttitudeOcp` act. Derivatives are forward differences.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    tolerance : float
+        Change of the cost at which the minimisation stops.
+    max_iterations : int
+
+    Notes
+    -----
+    ``residual`` of its solutions is the norm of the gradient of the cost along the directions that
+    the torque limit leaves free, over 2 h; ``min_curvature`` is NaN: nothing certifies a minimum.
+    Source: Gupta et al. 2015, section IV (baseline solver); Kalabic et al. 2014.
+    """
+
+    formulation = "slsqp"
+
+    def __init__(
+        self, ocp: AttitudeOcp, tolerance: float = 1e-14, max_iterations: int = 200
+    ) -> None:
+        self.ocp = ocp
+        self._plain = replace(ocp, max_torque=0.0, zones=())
+        self._options = {"maxiter": max_iterations, "ftol": tolerance}
+
+    def warm_up(self) -> None:
+        """Compile or load the kernels."""
+        self._plain.cost(np.zeros((self.ocp.horizon, self.ocp.n_controls)), np.eye(3), np.zeros(3))
+
+    def solve(
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+        warm_start: Array | None = None,
+    ) -> Solution:
+        """Solve from a state; arguments and failures as `ShootingSolver.solve`.
+
+        ``warm_start`` gives the controls to start from, by way of its multipliers.
+        """
+        started = perf_counter()
+        ocp, shape = self.ocp, (self.ocp.horizon, self.ocp.n_controls)
+        state = (as_rotation("attitude", attitude), as_vector3("momentum", momentum))
+        target = as_rotation("reference", np.eye(3) if reference is None else reference)
+        first = np.zeros(shape)
+        if warm_start is not None:
+            turned = (warm_start[:, 3:] @ ocp.torque_map @ ocp.control_axes) / ocp.control_weights
+            first = turned @ ocp.control_axes.T
+
+        def cost(x: Array) -> float:
+            try:
+                return self._plain.cost(x.reshape(shape), *state, target)
+            except GncError:
+                return FAR
+
+        found = minimize(
+            cost, first.ravel(), method="SLSQP", constraints=self._constraints(shape, state),
+            options=self._options,
+        )  # fmt: skip
+        status = Status.CONVERGED if found.success else Status.LINE_SEARCH_FAILED
+        if found.status == 9:  # scipy's number for the iteration limit
+            status = Status.MAX_ITERATIONS
+        u = np.asarray(found.x, dtype=np.float64).reshape(shape)
+        return self._solution(u, state, target, status, int(found.nit), started)
+
+    def _constraints(
+        self, shape: tuple[int, int], state: tuple[Array, Array]
+    ) -> list[dict[str, object]]:
+        ocp, limits = self.ocp, []
+
+        def torque_room(x: Array) -> Array:
+            return np.asarray(1.0 - (x.reshape(shape) ** 2).sum(axis=1) / ocp.max_torque**2)
+
+        def zone_room(x: Array) -> Array:
+            try:
+                attitudes, _ = self._plain.rollout(x.reshape(shape), *state)
+            except GncError:
+                return np.full(len(ocp.zones) * (ocp.horizon - 2), -1.0)
+            return np.concatenate([zone.cosine_room(attitudes[2:-1]) for zone in ocp.zones])
+
+        if ocp.max_torque > 0.0:
+            limits.append({"type": "ineq", "fun": torque_room})
+        if ocp.zones and ocp.horizon > 2:
+            limits.append({"type": "ineq", "fun": zone_room})
+        return limits
+
+    def _solution(
+        self, u: Array, state: tuple[Array, Array], target: Array, status: Status,
+        iterations: int, started: float,
+    ) -> Solution:  # fmt: skip
+        ocp = self.ocp
+        try:
+            horizon = Horizon(self._plain, u, *state, target)
+        except GncError:
+            return failed(ocp, state, target, Status.UNSOLVABLE_STEP, self.formulation)
+        gradient = horizon.gradient()
+        if ocp.max_torque > 0.0:
+            for k in np.flatnonzero(np.linalg.norm(u, axis=1) >= ocp.max_torque * (1.0 - 1e-6)):
+                gradient[k] -= (gradient[k] @ u[k]) / (u[k] @ u[k]) * u[k]
+        norm = float(np.linalg.norm(gradient)) / (2.0 * ocp.time_step)
+        torques = np.ascontiguousarray(u @ ocp.torque_map.T)
+        plan = (horizon.attitudes, horizon.momenta, torques, horizon.costates)
+        outcome = (status, iterations, norm, self._plain.cost(u, *state, target))
+        largest = float(np.linalg.norm(u, axis=1).max())
+        solution = assemble(ocp, plan, target, outcome, largest, self.formulation)
+        return solution._replace(solve_time=perf_counter() - started)
+
+
+class FsolveSolver:
+    """MINPACK's hybrid method on the shooting equations (44), with numerical derivatives.
+
+    The role of MATLAB's fsolve in Gupta et al. 2015, section III.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    tolerance : float
+        Largest Euclidean norm of (44) that counts as solved.
+    """
+
+    formulation = "fsolve"
+
+    def __init__(self, ocp: AttitudeOcp, tolerance: float = 1e-10) -> None:
+        self.ocp = ocp
+        self._tolerance = tolerance
+        n = ocp.horizon
+        self._horizon = (
+            np.empty((n + 1, 3, 3)), np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 6)),
+            np.zeros((n, work_size(ocp.n_controls))),
+        )  # fmt: skip
+
+    def warm_up(self) -> None:
+        """Compile or load the kernels."""
+        self.solve(np.eye(3), np.zeros(3))
+
+    def solve(
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+        warm_start: Array | None = None,
+    ) -> Solution:
+        """Solve from a state; arguments and failures as `ShootingSolver.solve`."""
+        started = perf_counter()
+        ocp = self.ocp
+        state = (as_rotation("attitude", attitude), as_vector3("momentum", momentum))
+        target = as_rotation("reference", np.eye(3) if reference is None else reference)
+        problem = (ocp.body.packed, ocp.data, ocp.zone_rows, track_of(ocp, target))
+        R, Pi, u, lam, W = self._horizon
+        R[0], Pi[0] = state
+
+        def residual(x: Array) -> Array:
+            lam[0] = x
+            status, E1, E2 = _shooting_kernels.propagate_horizon(*problem, *self._horizon)
+            return np.array([*E1, *E2]) if status == 0 else np.full(6, FAR)
+
+        first = np.zeros(6) if warm_start is None else warm_start[0]
+        found = root(residual, first, method="hybr", options={"xtol": 1e-14})
+        norm = float(np.linalg.norm(residual(found.x)))
+        solved = norm <= self._tolerance
+        status = Status.CONVERGED if solved else Status.LINE_SEARCH_FAILED
+        if not np.isfinite(R).all():
+            return failed(ocp, state, target, Status.NOT_FINITE, self.formulation)
+        outcome = (status, int(found.nfev), norm, horizon_cost(*problem[1:], R, Pi, W))
+        largest = float(np.linalg.norm(W[:, Z_AT:], axis=1).max())
+        plan = (R.copy(), Pi.copy(), u.copy(), lam.copy())
+        solution = assemble(ocp, plan, target, outcome, largest, self.formulation)
+        if solved:
+            curvature = linearize(solution).min_curvature
+            status = Status.CONVERGED if curvature > 0.0 else Status.SADDLE
+            solution = solution._replace(min_curvature=curvature, status=status)
+        return solution._replace(solve_time=perf_counter() - started)

@@ -1,0 +1,172 @@
+"""Neighbouring extremals on line: carry the last optimum over to the new state, solve when needed.
+
+Between two control steps the problem changes in its initial state only. To first order its solution
+follows from one substitution with the factorisation of the last exact solve; one evaluation of the
+conditions shows how well. An exact solve is made instead where
+
+- the predicted error of the torque exceeds the tolerance,
+- other limits act than when the factorisation was made, or the reference has changed,
+- the factorisation is older than ``max_age`` steps, or there is none.
+
+The torque follows from the multipliers by (38), as in an exact solve, so the torque limit holds;
+what the penalty leaves beyond it is cut off. Source: Bagherzadeh et al. 2023, section 5, with the
+multipliers, instead of the torques, as what is corrected; Gupta et al. 2015, Remark III.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.ocp._neighboring_kernels import correct
+from spacecraft_gnc.ocp.problem import AttitudeOcp
+from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
+from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.types import Array, ArrayLike, require_positive
+
+FORMULATION = "neighboring_extremal"
+
+
+@dataclass(frozen=True, slots=True)
+class NeighboringOptions:
+    """When a neighbouring extremal is good enough.
+
+    Attributes
+    ----------
+    tolerance : float
+        Largest predicted error of the torque, as a share of max_torque (of 1 N m without a limit).
+    max_age : int
+        Steps after which an exact solve is made anyway.
+    """
+
+    tolerance: float = 1e-3
+    max_age: int = 10
+
+    def __post_init__(self) -> None:
+        require_positive("tolerance", self.tolerance)
+        if self.max_age < 1:
+            raise ParameterError(
+                f"max_age: received {self.max_age}; required at least 1 step; give 10"
+            )
+
+
+class NeighboringExtremal:
+    """Solve a sequence of neighbouring problems, exactly only where that is needed.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    neighboring : NeighboringOptions, optional
+    options : ShootingOptions, optional
+        Of the exact solves, which go by the backward sweep.
+
+    Attributes
+    ----------
+    corrected, solved : int
+        Steps answered by a neighbouring extremal, and by an exact solve.
+    predicted_error : float
+        Predicted error [N m] of the last torque; zero after an exact solve.
+    """
+
+    def __init__(
+        self,
+        ocp: AttitudeOcp,
+        neighboring: NeighboringOptions | None = None,
+        options: ShootingOptions | None = None,
+    ) -> None:
+        self.ocp = ocp
+        self.neighboring = neighboring or NeighboringOptions()
+        self.solver = ShootingSolver(ocp, options=options)
+        if self.solver.formulation != "backward_sweep":
+            raise ParameterError(
+                f"formulation: received {self.solver.formulation!r}; required the backward sweep, "
+                "whose factorisation the correction needs; give 'auto'"
+            )
+        scale = ocp.max_torque if ocp.max_torque > 0.0 else 1.0
+        self._largest_error = self.neighboring.tolerance * scale
+        self._last = np.empty((4, 3))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last optimum and the counts."""
+        self._age = self.neighboring.max_age
+        self._reference: Array | None = None
+        self._reference_bytes = b""
+        self.corrected = self.solved = 0
+        self.predicted_error = 0.0
+
+    @property
+    def hit_rate(self) -> float:
+        """Share of the steps that a neighbouring extremal answered."""
+        return self.corrected / max(1, self.corrected + self.solved)
+
+    def solve(
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+        warm_start: Array | None = None,
+    ) -> Solution:
+        """Return a neighbouring extremal or an exact solution, as `ShootingSolver.solve`.
+
+        `Solution.formulation` tells which; a neighbouring extremal has ``iterations`` 0, and its
+        ``residual`` is what it leaves of the first-order conditions.
+        """
+        solution = None
+        if self._age < self.neighboring.max_age:
+            solution = self._correct(attitude, momentum, reference)
+        if solution is not None:
+            self._age += 1
+            self.corrected += 1
+            return solution
+        solution = self.solver.solve(attitude, momentum, reference, warm_start)
+        self.solved += 1
+        self.predicted_error = 0.0
+        usable = solution.converged and self.solver.kept[0] == 1
+        self._age = 0 if usable else self.neighboring.max_age
+        self._last[:3], self._last[3] = solution.attitudes[0], solution.momenta[0]
+        self._reference, self._reference_bytes = solution.reference, solution.reference.tobytes()
+        return solution
+
+    def warm_up(self) -> None:
+        """Compile or load the kernels."""
+        for _ in range(2):
+            self.solve(np.eye(3), np.zeros(3))
+        self.reset()
+
+    def _correct(
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None
+    ) -> Solution | None:
+        started = perf_counter()
+        target = self._reference
+        if target is None or (
+            reference is not None and np.asarray(reference).tobytes() != self._reference_bytes
+        ):
+            return None
+        solver = self.solver
+        n, x = self.ocp.horizon, solver.inputs
+        try:
+            x[:3], x[3], x[4:] = attitude, momentum, target
+        except (ValueError, TypeError, IndexError):
+            return None  # the exact solve says what is wrong
+        R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
+        u, lam = np.empty((n, 3)), np.empty((n, 6))
+        margins = np.empty(len(self.ocp.zones))
+        same, error, norm, cost, pivot, largest, off, travel = correct(
+            *solver.constants, x, R, Pi, u, lam, margins, *solver.work, self._last
+        )
+        if not same or not error <= self._largest_error:
+            return None
+        self.predicted_error = error
+        limit, margin = self.ocp.max_torque, float("inf")
+        if limit > 0.0:
+            margin = limit - largest**0.5
+            if margin < 0.0:
+                u[0] = self.ocp.realizable(u[0])
+        return Solution(
+            u, R, Pi, lam, cost, Status.CONVERGED, 0, norm, perf_counter() - started, margin,
+            target, self.ocp, FORMULATION, pivot, margins, off, travel,
+        )  # fmt: skip

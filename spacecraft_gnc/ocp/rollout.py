@@ -1,0 +1,84 @@
+"""One control sequence rolled out over a problem's horizon, with its derivatives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels
+from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_rotation, as_vector3
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.ocp.problem import AttitudeOcp
+
+
+class Horizon:
+    """One control sequence rolled out, with the work arrays that the adjoint kernels share."""
+
+    def __init__(
+        self,
+        ocp: AttitudeOcp,
+        controls: ArrayLike,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None,
+    ) -> None:
+        n = ocp.horizon
+        self.ocp = ocp
+        controls = ocp.checked_controls(controls)
+        self.attitudes = np.empty((n + 1, 3, 3))
+        self.momenta = np.empty((n + 1, 3))
+        self.attitudes[0] = as_rotation("attitude", attitude)
+        self.momenta[0] = as_vector3("momentum", momentum)
+        self.work = np.zeros((n, _stage_kernels.work_size(ocp.n_controls)))
+        self.track = track_of(ocp, np.eye(3) if reference is None else reference)
+        turned = np.ascontiguousarray(controls @ ocp.control_axes)
+        done = _adjoint_kernels.rollout(
+            ocp.body.packed, ocp.data, self.attitudes, self.momenta, turned, self.work
+        )
+        if done != n:
+            ocp.body.require_solvable(f"momentum at step {done}", self.momenta[done])
+
+    def gradient(self) -> Array:
+        """Gradient (N, m) of the cost; fills `costates` (N, 6)."""
+        self.costates = np.empty((self.ocp.horizon, 6))
+        gradient = np.empty((self.ocp.horizon, self.ocp.n_controls))
+        _adjoint_kernels.adjoint_gradient(
+            self.ocp.data,
+            self.ocp.zone_rows,
+            self.track,
+            self.attitudes,
+            self.momenta,
+            self.costates,
+            self.work,
+            gradient,
+        )
+        return np.asarray(gradient @ self.ocp.control_axes.T)
+
+    def hessian(self) -> Array:
+        """Second derivative (mN, mN) of the cost."""
+        n, m = self.ocp.horizon, self.ocp.n_controls
+        self.gradient()
+        hessian = np.zeros((m * n, m * n))
+        _adjoint_kernels.reduced_hessian(
+            self.ocp.body.packed,
+            self.ocp.data,
+            self.ocp.zone_rows,
+            self.track,
+            self.attitudes,
+            self.momenta,
+            self.costates,
+            self.work,
+            np.empty((n + 1, 6)),
+            hessian,
+        )
+        axes = np.kron(np.eye(n), self.ocp.control_axes)
+        return np.asarray(axes @ hessian @ axes.T)
+
+
+def track_of(ocp: AttitudeOcp, reference: ArrayLike) -> Array:
+    """Return Q1 R_ref, P1 R_ref and R_ref (3, 3, 3), as the kernels want the reference."""
+    rotation: Matrix3 = as_rotation("reference", reference)
+    q1, p1 = ocp.weights.stage_attitude, ocp.weights.terminal_attitude
+    return np.stack([np.asarray(q1) @ rotation, np.asarray(p1) @ rotation, rotation])
