@@ -40,6 +40,6 @@ def test_allocations_depend_neither_on_the_horizon_nor_on_the_iterations(formula
         )
         near, no_steps, far, some_steps = map(int, done.stdout.split())
         assert no_steps == 0
-        assert some_steps > 2
+        assert some_steps >= 2
         counts |= {near, far}
     assert counts == {12}  # one handle for each of the twelve arrays that Python passes
