@@ -44,11 +44,15 @@ class Ours:
         """Forget the multipliers."""
         self.start: Vector | None = None
 
-    def solve(self, attitude: Vector, momentum: Vector) -> tuple[Vector, int, bool]:
+    def solve(self, attitude: Vector, momentum: Vector) -> Vector:
         """Solve from the multipliers of the last step, shifted."""
-        solution = self.solver.solve(attitude, momentum, warm_start=self.start)
-        self.start = solution.warm_start
-        return solution.torques[0], solution.iterations, solution.converged
+        self.solution = self.solver.solve(attitude, momentum, warm_start=self.start)
+        self.start = self.solution.warm_start
+        return self.solution.torques[0]
+
+    def outcome(self) -> tuple[int, bool]:
+        """Return the Newton steps and whether they converged."""
+        return self.solution.iterations, self.solution.converged
 
 
 if __name__ == "__main__":

@@ -1,0 +1,30 @@
+"""Time CasADi with IPOPT."""
+
+from __future__ import annotations
+
+from common import Problem, main
+from nlp import MultipleShooting
+
+OPTIONS = {
+    "ipopt.tol": 1e-10,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.nlp_scaling_method": "none",  # scaled by hand
+}
+
+
+class Ipopt(MultipleShooting):
+    """The penalised problem has no inequality, so that no barrier slows the warm start."""
+
+    formulation = (
+        "penalised, multiple shooting in (quaternion, momentum), exact Hessian, mumps, functions "
+        "compiled by gcc -O3"
+    )
+    tolerance = "tol 1e-10, cost scaled by 1e3"
+
+    def __init__(self, problem: Problem) -> None:
+        super().__init__(problem, "ipopt", OPTIONS, hard=False)
+
+
+if __name__ == "__main__":
+    main(Ipopt)
