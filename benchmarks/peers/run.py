@@ -49,9 +49,9 @@ class Entry:
 PEERS = (
     Entry("ours", "ours.py", sweep=True),
     Entry("ours in C++ (floor)", "ours_cpp.py"),
-    Entry("acados SQP, exact Hessian", "acados.py", ".venv-acados", "exact", sweep=True),
-    Entry("acados SQP, Gauss-Newton", "acados.py", ".venv-acados", "gauss_newton"),
-    Entry("acados RTI", "acados.py", ".venv-acados", "rti"),
+    Entry("acados SQP, exact Hessian", "acados_sqp.py", ".venv-acados", "exact", sweep=True),
+    Entry("acados SQP, Gauss-Newton", "acados_sqp.py", ".venv-acados", "gauss_newton"),
+    Entry("acados RTI", "acados_sqp.py", ".venv-acados", "rti"),
     Entry("CasADi + IPOPT", "ipopt.py", ".venv-peers", sweep=True),
     Entry("CasADi sqpmethod", "sqpmethod.py", ".venv-peers"),
     Entry("crocoddyl FDDP", "crocoddyl_fddp.py", ".venv-peers"),
