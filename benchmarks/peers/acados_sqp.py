@@ -35,10 +35,10 @@ if "ACADOS_SOURCE_DIR" not in os.environ:
     os.environ["ACADOS_SOURCE_DIR"] = str(source_tree(Path.cwd() / "acados_source"))
     os.environ["LD_LIBRARY_PATH"] = str(WHEEL / "install" / "lib")
     os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    os.execv(sys.executable, [sys.executable, *sys.argv])  # the loader reads its path at the start
+    os.execv(sys.executable, [sys.executable, *sys.argv])  # noqa: S606  the loader reads it once
 
 from acados.acados_template import AcadosModel, AcadosOcp, AcadosOcpSolver  # noqa: E402
-from casadi import SX, dot, vertcat  # noqa: E402
+from casadi import SX, dot  # noqa: E402
 from symbolic import step  # noqa: E402
 
 COST_SCALE = 1e3  # the optimal cost is of the order 1e-2
