@@ -74,7 +74,10 @@ def run_peer(entry: Entry, problem: Problem) -> dict[str, Any] | str:
     if not entry.python.exists():
         return f"{entry.home} is absent (make bench installs it)"
     environment = os.environ | {f"{name}_NUM_THREADS": "1" for name in THREADS}
-    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    environment["PYTHONPATH"] = str(ROOT)
+    if entry.home:  # ROS puts its libraries there
+        del environment["PYTHONPATH"]
+        environment.pop("LD_LIBRARY_PATH", None)
     with tempfile.TemporaryDirectory() as folder:  # acados and g++ write where they are started
         given, made = Path(folder) / "problem.json", Path(folder) / "result.json"
         problem.write(given)
