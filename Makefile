@@ -50,7 +50,7 @@ lint: setup ## check style and types
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
 
-bench: setup .venv-peers/installed .venv-acados/installed ## measure the speed of the solver, the closed loop and the graph, and other solvers beside
+bench: setup .venv-peers/installed .venv-acados/installed ## measure the speed of solver, closed loop and graph, beside other solvers
 	@$(BIN)/gnc bench
 
 colcon: setup ## build both packages with colcon into build/ and install/

@@ -49,7 +49,7 @@ OPTIONS = {
     "rti": {"nlp_solver_type": "SQP_RTI", "hessian_approx": "EXACT"},
 }
 TOLERANCE = 1e-10
-SHORT = 10  # [steps]
+DENSE, CONVEX = 10, 20  # [steps]: up to where each is the better choice
 
 
 class Acados:
@@ -59,8 +59,7 @@ class Acados:
         name = variant.replace("_", "-")
         self.formulation = (
             f"{name}: limit as a constraint |u|^2 <= max_torque^2, multiple shooting in "
-            "(quaternion, momentum), discrete dynamics, linear least squares cost, "
-            f"{'qpOASES condensed' if problem.horizon <= SHORT else 'HPIPM'}"
+            f"(quaternion, momentum), discrete dynamics, least squares cost, {_qp_solver(problem)}"
         )
         self.tolerance = "one iteration" if variant == "rti" else f"{TOLERANCE:g} on all residuals"
         self.scale, self.count = problem.max_torque, problem.horizon
@@ -99,6 +98,11 @@ class Acados:
         return int(np.ravel(self.solver.get_stats("sqp_iter"))[0]), self.status == 0
 
 
+def _qp_solver(problem: Problem) -> str:
+    short = problem.horizon <= DENSE
+    return "FULL_CONDENSING_QPOASES" if short else "PARTIAL_CONDENSING_HPIPM"
+
+
 def _ocp(problem: Problem) -> AcadosOcp:
     x, v = SX.sym("x", 6), SX.sym("v", 3)
     model = AcadosModel()
@@ -115,9 +119,11 @@ def _ocp(problem: Problem) -> AcadosOcp:
     options = ocp.solver_options
     options.integrator_type = "DISCRETE"
     options.tf = float(problem.horizon)  # acados multiplies the stage cost by the time step: 1
-    # The dense active-set solver is the faster one while the horizon is short.
-    short = problem.horizon <= SHORT
-    options.qp_solver = "FULL_CONDENSING_QPOASES" if short else "PARTIAL_CONDENSING_HPIPM"
+    # The dense active-set solver is the faster one while the horizon is short; with a long horizon
+    # the exact Hessian is indefinite on the way and has to be regularised.
+    options.qp_solver = _qp_solver(problem)
+    if problem.horizon > CONVEX:
+        options.regularize_method = "MIRROR"
     options.qp_solver_warm_start = 1
     options.nlp_solver_max_iter = 100
     options.nlp_solver_tol_stat = options.nlp_solver_tol_eq = TOLERANCE

@@ -43,7 +43,7 @@ class Problem:
     terminal_momentum: float = 0.01
     max_torque: float = 0.01
     torque_penalty: float = 1e10
-    tolerance: float = 1e-12
+    tolerance: float = 1e-12  # of solvers of the first-order conditions
     seconds: float = 2.0
 
     def write(self, path: Path) -> None:

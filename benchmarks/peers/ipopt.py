@@ -7,6 +7,7 @@ from nlp import MultipleShooting
 
 OPTIONS = {
     "ipopt.tol": 1e-10,
+    "ipopt.max_iter": 500,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.nlp_scaling_method": "none",  # scaled by hand

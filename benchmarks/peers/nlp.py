@@ -11,6 +11,7 @@ from symbolic import penalty, stage_cost, step, terminal_cost
 
 STAGE = 9  # variables of one stage: the scaled torque u_k, then the state k + 1
 COST_SCALE = 1e3  # the optimal cost is of the order 1e-2
+COMPILABLE = 20  # [steps]: gcc takes minutes for the derivatives of a longer horizon
 COMPILED = {
     "jit": True,
     "compiler": "shell",
@@ -36,7 +37,8 @@ class MultipleShooting:
         self.count = problem.horizon
         programme = _programme(problem, hard)
         common = {"print_time": False, "record_time": False, "calc_lam_p": False}
-        self.solver = ca.nlpsol("solver", plugin, programme, common | COMPILED | options)
+        common |= COMPILED if problem.horizon <= COMPILABLE else {}
+        self.solver = ca.nlpsol("solver", plugin, programme, common | options)
         self.reset()
 
     def reset(self) -> None:

@@ -49,7 +49,8 @@ def run(problem: Problem) -> list[list[float]]:
 def main() -> None:
     """Read the problem, run the program, write the result."""
     problem = Problem.read(Path(sys.argv[1]))
-    rows = run(problem)[len(problem.attitude) :]  # the first pass is a warm-up
+    rows, count = run(problem), len(problem.attitude)
+    rows = rows[count:] or rows  # the first pass is a warm-up
     wall = [row[0] for row in rows]
     account = result(
         "first-order conditions of the penalised problem by single shooting, timed inside C++",

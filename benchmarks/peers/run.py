@@ -60,13 +60,14 @@ PEERS = (
 )
 
 
-def problem_set(horizon: int = 5, states: int | None = None) -> Problem:
+def problem_set(seconds: float, horizon: int = 5, states: int | None = None) -> Problem:
     """Return Case I with states of its reference closed loop; the reference holds for N = 5."""
     with np.load(REFERENCE) as reference:
         attitude, momentum = reference["attitude"][:-1], reference["momentum"][:-1]
         torque = reference["torque"] if horizon == 5 else np.full(momentum.shape, np.nan)
         keep = slice(states)
-        return Problem(attitude[keep], momentum[keep], torque[keep], horizon=horizon)
+        numbers = (x[keep] for x in (attitude, momentum, torque))
+        return Problem(*numbers, horizon=horizon, seconds=seconds)
 
 
 def run_peer(entry: Entry, problem: Problem) -> dict[str, Any] | str:
@@ -119,13 +120,13 @@ def summary(account: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def compare(entries: list[Entry]) -> dict[str, Any]:
+def compare(entries: list[Entry], seconds: float) -> dict[str, Any]:
     """Run the peers along the closed loop and print a row for each as it comes in."""
     figures: dict[str, Any] = {}
     print("| solver | median us | 99 % | longest | to ours | iterations | solved | error N m |")
     print("|---|---|---|---|---|---|---|---|")
     for entry in entries:
-        account = run_peer(entry, problem_set())
+        account = run_peer(entry, problem_set(seconds))
         if isinstance(account, str):
             print(f"{entry.name}: skipped, {account}", flush=True)
             continue
@@ -136,30 +137,38 @@ def compare(entries: list[Entry]) -> dict[str, Any]:
     return figures
 
 
-def sweep(entries: list[Entry]) -> dict[str, Any]:
+def sweep(entries: list[Entry], seconds: float) -> dict[str, Any]:
     """Return the cost against the horizon: a cold solve, and a warm one a step later."""
     figures: dict[str, Any] = {}
-    print("\n| solver | N | cold us (iterations) | warm us (iterations) | difference to ours N m |")
+    print("\n| solver | N | cold us (iterations) | warm us (iterations) | difference N m |")
     print("|---|---|---|---|---|")
-    ours: dict[int, Any] = {}
+    found: dict[int, Any] = {}  # of the first solver that solved both states
     for entry in (entry for entry in entries if entry.sweep):
         for horizon in HORIZONS:
-            account = run_peer(entry, problem_set(horizon, states=2))
+            account = run_peer(entry, problem_set(seconds, horizon, states=2))
             if isinstance(account, str):
                 print(f"{entry.name}, N = {horizon}: skipped, {account}", flush=True)
                 continue
             row = summary(account)
             torques = np.array(account["torques"])
-            ours.setdefault(horizon, torques)
-            row["difference"] = float(np.abs(torques - ours[horizon]).max())
+            if row["solved"] == row["states"]:
+                found.setdefault(horizon, torques)
+            row["difference"] = _difference(torques, found.get(horizon))
             figures.setdefault(entry.name, {})[str(horizon)] = row
-            print(
-                f"| {entry.name} | {horizon} | {1e6 * row['cold']:.4g} ({row['iterations_cold']}) "
-                f"| {1e6 * row['median']:.4g} ({row['iterations_median']:.0f}) "
-                f"| {row['difference']:.1e}{'' if row['solved'] == 2 else ' NOT SOLVED'} |",
-                flush=True,
-            )
+            print(_sweep_row(entry.name, horizon, row), flush=True)
     return figures
+
+
+def _sweep_row(name: str, horizon: int, row: dict[str, Any]) -> str:
+    cold_solve = f"{1e6 * row['cold']:.4g} ({row['iterations_cold']})"
+    warm_solve = f"{1e6 * row['median']:.4g} ({row['iterations_median']:.0f})"
+    known = "" if row["difference"] is None else f"{row['difference']:.0e}"
+    known = known if row["solved"] == row["states"] else "not solved"
+    return f"| {name} | {horizon} | {cold_solve} | {warm_solve} | {known} |"
+
+
+def _difference(torques: Any, others: Any) -> float | None:
+    return None if others is None else float(np.abs(torques - others).max())
 
 
 def _row(name: str, row: dict[str, Any]) -> str:
@@ -175,17 +184,20 @@ def main() -> None:
     """Do what the command line says."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures here")
-    parser.add_argument("--only", nargs="+", metavar="NAME", help="peers whose name contains this")
+    parser.add_argument(
+        "--only", nargs="+", metavar="NAME", help="solvers whose name has this in it"
+    )
     parser.add_argument("--no-sweep", action="store_true", help="leave the horizons 5..100 out")
+    parser.add_argument("--seconds", type=float, default=2.0, help="spent on each, at least")
     options = parser.parse_args()
     chosen = [
         entry
         for entry in PEERS
         if not options.only or any(word in entry.name for word in options.only)
     ]
-    figures = {"case1": compare(chosen)}
+    figures = {"case1": compare(chosen, options.seconds)}
     if not options.no_sweep:
-        figures["horizons"] = sweep(chosen)
+        figures["horizons"] = sweep(chosen, options.seconds)
     if options.json:
         options.json.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
 
