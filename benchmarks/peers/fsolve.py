@@ -24,7 +24,9 @@ class Fsolve:
     def __init__(self, problem: Problem) -> None:
         self.settings = settings(problem)
         self.state, self.out = np.zeros(12), np.zeros(15)
-        function = ctypes.CDLL(str(build("floor.so", "-shared", "-fPIC"))).conditions
+        function = ctypes.CDLL(
+            str(build("conditions.cpp", "conditions.so", "-shared", "-fPIC"))
+        ).conditions
         function.restype, function.argtypes = None, [ctypes.c_void_p] * 4
         fixed = [x.ctypes.data for x in (self.settings, self.state)]
         result = self.out.ctypes.data

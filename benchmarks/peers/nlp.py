@@ -11,7 +11,7 @@ from symbolic import penalty, stage_cost, step, terminal_cost
 
 STAGE = 9  # variables of one stage: the scaled torque u_k, then the state k + 1
 COST_SCALE = 1e3  # the optimal cost is of the order 1e-2
-COMPILABLE = 20  # [steps]: gcc takes minutes for the derivatives of a longer horizon
+COMPILABLE = 10  # [steps]: gcc takes minutes for the derivatives of a longer horizon
 COMPILED = {
     "jit": True,
     "compiler": "shell",

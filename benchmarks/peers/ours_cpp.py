@@ -11,17 +11,17 @@ from pathlib import Path
 import numpy as np
 from common import Problem, Vector, result
 
-SOURCE = Path(__file__).resolve().parents[1] / "floor" / "floor.cpp"
+SOURCES = Path(__file__).resolve().parents[1] / "floor"
 
 
-def build(target: str, *options: str) -> Path:
-    """Compile the source into the working directory."""
+def build(source: str, target: str, *options: str) -> Path:
+    """Compile one of the sources into the working directory."""
     compiler = shutil.which("g++")
     if compiler is None:
         sys.exit("g++ is absent")
     flags = ["-std=c++17", "-O3", "-march=native", *options]
     path = Path.cwd() / target
-    subprocess.run([compiler, *flags, str(SOURCE), "-o", str(path)], check=True)
+    subprocess.run([compiler, *flags, str(SOURCES / source), "-o", str(path)], check=True)
     return path
 
 
@@ -41,7 +41,7 @@ def run(problem: Problem) -> list[list[float]]:
     states = np.hstack([problem.attitude.reshape(-1, 9), problem.momentum])
     lines = [" ".join(numbers), *(" ".join(repr(x) for x in row) for row in states.tolist())]
     Path("states.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
-    command = [str(build("floor")), "states.txt"]
+    command = [str(build("floor.cpp", "floor")), "states.txt"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     return [[float(x) for x in line.split()] for line in done.stdout.splitlines()]
 
@@ -53,7 +53,7 @@ def main() -> None:
     rows = rows[count:] or rows  # the first pass is a warm-up
     wall = [row[0] for row in rows]
     account = result(
-        "first-order conditions of the penalised problem by single shooting, timed inside C++",
+        "first-order conditions of the penalised problem by the backward sweep, timed inside C++",
         f"residual {problem.tolerance:g}",
         wall,
         wall,

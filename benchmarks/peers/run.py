@@ -48,7 +48,7 @@ class Entry:
 
 PEERS = (
     Entry("ours", "ours.py", sweep=True),
-    Entry("ours in C++ (floor)", "ours_cpp.py"),
+    Entry("ours in C++ (floor)", "ours_cpp.py", sweep=True),
     Entry("acados SQP, exact Hessian", "acados_sqp.py", ".venv-acados", "exact", sweep=True),
     Entry("acados SQP, Gauss-Newton", "acados_sqp.py", ".venv-acados", "gauss_newton"),
     Entry("acados RTI", "acados_sqp.py", ".venv-acados", "rti"),
