@@ -94,7 +94,6 @@ class Acados:
 
     def outcome(self) -> tuple[int, bool]:
         """Return the SQP iterations and whether they converged."""
-        self.inside = float(np.ravel(self.solver.get_stats("time_tot"))[0])
         return int(np.ravel(self.solver.get_stats("sqp_iter"))[0]), self.status == 0
 
 

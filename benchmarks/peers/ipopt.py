@@ -5,6 +5,7 @@ from __future__ import annotations
 from common import Problem, main
 from nlp import MultipleShooting
 
+COST_SCALE = 1e2  # with 1e3 the line search is lost at N = 40
 OPTIONS = {
     "ipopt.tol": 1e-10,
     "ipopt.max_iter": 500,
@@ -21,10 +22,10 @@ class Ipopt(MultipleShooting):
         "penalised, multiple shooting in (quaternion, momentum), exact Hessian, mumps, functions "
         "compiled by gcc -O3"
     )
-    tolerance = "tol 1e-10, cost scaled by 1e3"
+    tolerance = "tol 1e-10, cost scaled by 1e2"
 
     def __init__(self, problem: Problem) -> None:
-        super().__init__(problem, "ipopt", OPTIONS, hard=False)
+        super().__init__(problem, "ipopt", OPTIONS, hard=False, cost_scale=COST_SCALE)
 
 
 if __name__ == "__main__":

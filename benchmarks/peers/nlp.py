@@ -23,10 +23,17 @@ class MultipleShooting:
     """A CasADi solver, warm-started from its last primal and dual solution shifted by one step.
 
     ``hard`` states the torque limit as a constraint |u|^2 <= max_torque^2, else it is the penalty.
-    Torques are scaled by the limit.
+    Torques are scaled by the limit, the cost by ``cost_scale``.
     """
 
-    def __init__(self, problem: Problem, plugin: str, options: dict[str, Any], hard: bool) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        plugin: str,
+        options: dict[str, Any],
+        hard: bool,
+        cost_scale: float = COST_SCALE,
+    ) -> None:
         self.scale = problem.max_torque
         rows = STAGE - 3 + hard  # constraints of one stage: the step, then the limit
         self.bounds = {
@@ -35,7 +42,7 @@ class MultipleShooting:
         }
         self.sizes = (STAGE, rows)
         self.count = problem.horizon
-        programme = _programme(problem, hard)
+        programme = _programme(problem, hard, cost_scale)
         common = {"print_time": False, "record_time": False, "calc_lam_p": False}
         common |= COMPILED if problem.horizon <= COMPILABLE else {}
         self.solver = ca.nlpsol("solver", plugin, programme, common | options)
@@ -73,7 +80,7 @@ def shifted(values: Vector, size: int) -> Vector:
     return np.concatenate([values[size:], values[-size:]])
 
 
-def _programme(problem: Problem, hard: bool) -> dict[str, ca.SX]:
+def _programme(problem: Problem, hard: bool, cost_scale: float) -> dict[str, ca.SX]:
     first = state = ca.SX.sym("x0", 6)
     variables, constraints, cost = [], [], 0
     for k in range(problem.horizon):
@@ -89,6 +96,6 @@ def _programme(problem: Problem, hard: bool) -> dict[str, ca.SX]:
     return {
         "x": ca.vertcat(*variables),
         "p": first,
-        "f": COST_SCALE * cost,
+        "f": cost_scale * cost,
         "g": ca.vertcat(*constraints),
     }
