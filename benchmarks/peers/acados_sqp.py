@@ -48,7 +48,7 @@ OPTIONS = {
     "gauss_newton": {"nlp_solver_type": "SQP", "hessian_approx": "GAUSS_NEWTON"},
     "rti": {"nlp_solver_type": "SQP_RTI", "hessian_approx": "EXACT"},
 }
-TOLERANCE = 1e-10
+TOLERANCE = 1e-8
 DENSE, CONVEX = 10, 20  # [steps]: up to where each is the better choice
 
 
