@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from independent import Problem
 from strategies import inertias, rotations, weights
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.ocp import AttitudeOcp, PointingZone, Status, Weights
 from spacecraft_gnc.ocp import _shooting_kernels as kernels
 from spacecraft_gnc.ocp._stage_kernels import work_size
@@ -64,3 +65,42 @@ def problems(draw, penalties=(10.0, 1e4)):
         max_torque=draw(st.sampled_from([0.0, 0.1, 0.3])),
         torque_penalty=draw(st.floats(*penalties)), zones=(zone,),
     )  # fmt: skip
+
+
+def random_weight(rng, smallest, largest):
+    """A full symmetric weight with eigenvalues between two powers of ten."""
+    axes = random_rotation(rng)
+    weight = axes @ np.diag(10.0 ** rng.uniform(smallest, largest, 3)) @ axes.T
+    return 0.5 * (weight + weight.T)
+
+
+def random_rotation(rng):
+    """A rotation, uniform over the group."""
+    return lie.from_quaternion_xyzw(rng.normal(size=4))
+
+
+def random_problem(rng, largest_horizon=50, penalties=(4.0, 10.0)):
+    """A problem with full matrices, up to two zones, mostly a limit; attitude and momentum."""
+    a, b, c = rng.uniform(0.2, 1.0, 3)
+    axes = random_rotation(rng)
+    inertia = axes @ np.diag([b + c, a + c, a + b]) @ axes.T
+    zones = tuple(
+        PointingZone(
+            "exclusion", rng.normal(size=3), rng.normal(size=3), float(rng.uniform(0.1, 0.6)),
+            float(10.0 ** rng.uniform(0.0, 3.0)),
+        )
+        for _ in range(rng.integers(0, 3))
+    )  # fmt: skip
+    ocp = AttitudeOcp(
+        0.5 * (inertia + inertia.T), float(rng.choice([0.1, 0.2, 0.4])),
+        int(rng.integers(2, largest_horizon + 1)),
+        Weights(
+            random_weight(rng, -3, 0), random_weight(rng, -3, 0), random_weight(rng, -1, 1),
+            random_weight(rng, -3, 0), random_weight(rng, -3, 0),
+        ),
+        max_torque=float(rng.choice([0.0, 0.01, 0.1, 0.5])),
+        torque_penalty=float(10.0 ** rng.uniform(*penalties)), zones=zones,
+    )  # fmt: skip
+    momentum = rng.normal(size=3)
+    momentum *= rng.uniform(0.0, 0.5) / np.linalg.norm(momentum)
+    return ocp, random_rotation(rng), momentum
