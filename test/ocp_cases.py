@@ -1,4 +1,4 @@
-"""Problems that the tests of the solvers draw, and the same problems for the plain implementation."""
+"""Problems that the tests of the solvers draw, also for the plain implementation."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ def independent(ocp, reference=None):
 def kernel_arguments(ocp, attitude, momentum, reference):
     """Constants (body, data, zones, track) and arrays (R, Pi, u, lam, W) that the kernels take."""
     n = ocp.horizon
-    R, Pi, u, lam = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 6))
+    R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
+    u, lam = np.empty((n, 3)), np.empty((n, 6))
     R[0], Pi[0] = attitude, momentum
     constants = (ocp.body.packed, ocp.data, ocp.zone_rows, track_of(ocp, reference))
     return constants, (R, Pi, u, lam, np.zeros((n, work_size(ocp.n_controls))))
@@ -41,7 +42,6 @@ def kernel_arguments(ocp, attitude, momentum, reference):
 
 def shoot(ocp, attitude, momentum, reference, multipliers):
     """Residual (44) and its derivative from the kernels."""
-    n = ocp.horizon
     constants, horizon = kernel_arguments(ocp, attitude, momentum, reference)
     horizon[3][0] = multipliers
     T, E = np.empty((6, 12)), np.empty((6, 6))
