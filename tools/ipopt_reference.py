@@ -1,10 +1,11 @@
 """Write test/data/random_ipopt.npz: random problems and their optima by CasADi and IPOPT.
 
 Needs CasADi and numpy, and nothing of this project: `python tools/ipopt_reference.py` in an
-environment of its own. The problem of Gupta et al. 2015, (27)-(30), by multiple shooting: attitudes,
-momenta and the Cayley vectors of the relative rotations are unknowns beside the torques, and
+environment of its own. The problem of Gupta et al. 2015, (27)-(30), by multiple shooting: the
+attitudes, momenta and Cayley vectors of the relative rotations are unknowns beside the torques, and
 h hat(Pi) = F Jd - Jd F^T a constraint; cost and penalties are written with Frobenius norms.
 """
+# ruff: noqa: N803, N806 - the symbols are the paper's
 
 from __future__ import annotations
 
