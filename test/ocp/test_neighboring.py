@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -164,7 +165,7 @@ def test_it_solves_anew_when_other_limits_act(case_1):
         if solution.formulation == "backward_sweep":
             continue
         assert patterns[-1] == patterns[-2]  # what it answers has the active set of the last step
-    changes = sum(one != other for one, other in zip(patterns, patterns[1:], strict=False))
+    changes = sum(one != other for one, other in itertools.pairwise(patterns))
     assert changes >= 2
     assert online.solved >= 1 + changes
     assert online.corrected > 50
@@ -199,7 +200,7 @@ def test_a_state_that_is_none_is_refused_as_by_the_solver(case_1):
     sequence = Sequence(case_1[0])
     sequence.step()
     for attitude, momentum in ((np.full((3, 3), np.nan), REST), (np.eye(3), np.full(3, np.inf))):
-        with pytest.raises(ParameterError, match="attitude|momentum"):
+        with pytest.raises(ParameterError, match=r"attitude|momentum"):
             sequence.online.solve(attitude, momentum)
     # The sequence goes on: what was refused has left nothing behind.
     R, Pi = sequence.R, sequence.Pi
@@ -211,8 +212,8 @@ def test_a_state_that_is_none_is_refused_as_by_the_solver(case_1):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda ocp: NeighboringOptions(tolerance=0.0), "tolerance"),
-        (lambda ocp: NeighboringOptions(max_age=0), "max_age"),
+        (lambda _: NeighboringOptions(tolerance=0.0), "tolerance"),
+        (lambda _: NeighboringOptions(max_age=0), "max_age"),
         (
             lambda ocp: NeighboringExtremal(
                 ocp, options=ShootingOptions(formulation="single_shooting")
