@@ -84,32 +84,32 @@ def momentum(axes: Axes, trajectory: Trajectory) -> None:
     times, values = series.state_times(trajectory), series.momenta(trajectory)
     unit = style.prefixed("N m s", values)
     for i, name in enumerate(_COMPONENTS):
-        axes.plot(times, unit.factor * values[:, i], label=rf"$\Pi_{name}$", **component_style(i))
+        axes.plot(times, unit.factor * values[:, i], label=rf"$\Pi_{name}$", **_component(i))
     axes.set(
         title="Angular momentum, body frame",
         xlabel=TIME_LABEL,
         ylabel=f"momentum [{unit.label}]",
     )
     axes.set_xlim(times[0], times[-1])
-    legend_above(axes, 3)
+    _legend(axes, 3)
 
 
 def torque_components(axes: Axes, trajectory: Trajectory) -> None:
     """Draw the components of the torque, each value held for one control period."""
-    times, values = held(trajectory, trajectory.torque)
+    times, values = _held(trajectory, trajectory.torque)
     unit = style.prefixed("N m", values)
     for i, name in enumerate(_COMPONENTS):
         axes.step(
-            times, unit.factor * values[:, i], where="post", label=f"$u_{name}$", **component_style(i)
+            times, unit.factor * values[:, i], where="post", label=f"$u_{name}$", **_component(i)
         )
     axes.set(title="Torque, body frame", xlabel=TIME_LABEL, ylabel=f"torque [{unit.label}]")
     axes.set_xlim(times[0], times[-1])
-    legend_above(axes, 3)
+    _legend(axes, 3)
 
 
 def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) -> None:
     """Draw the norm of the torque with its limit [N m]."""
-    times, values = held(trajectory, series.torque_norm(trajectory))
+    times, values = _held(trajectory, series.torque_norm(trajectory))
     unit = style.prefixed("N m", values, np.array([limit or 0.0]))
     axes.step(times, unit.factor * values, where="post", color=style.INK, label="$|u|$")
     axes.set(title="Torque norm", xlabel=TIME_LABEL, ylabel=f"torque [{unit.label}]")
@@ -121,7 +121,7 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
         )
     axes.set_ylim(bottom=0.0)
     axes.margins(y=0.08)
-    legend_above(axes, 2)
+    _legend(axes, 2)
 
 
 def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters, ...]) -> None:
@@ -129,11 +129,11 @@ def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters
     times = series.state_times(trajectory)
     for i, zone in enumerate(zones):
         margin = series.zone_margin_deg(trajectory, zone)
-        axes.plot(times, margin, label=f"{zone.name} ({zone.kind})", **component_style(i % 3))
+        axes.plot(times, margin, label=f"{zone.name} ({zone.kind})", **_component(i % 3))
     axes.axhline(0.0, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--", label="border")
     axes.set(title="Pointing-zone margin", xlabel=TIME_LABEL, ylabel="angle to border [deg]")
     axes.set_xlim(times[0], times[-1])
-    legend_above(axes, 3)
+    _legend(axes, 3)
 
 
 def iterations(axes: Axes, trajectory: Trajectory) -> None:
@@ -151,7 +151,7 @@ def iterations(axes: Axes, trajectory: Trajectory) -> None:
             color=style.LIMIT_COLOUR,
             label="not converged",
         )
-        legend_above(axes, 1)
+        _legend(axes, 1)
     axes.set(title="Solver iterations", xlabel=TIME_LABEL, ylabel="iterations [-]")
     axes.set_xlim(time[0], series.state_times(trajectory)[-1])
     axes.set_ylim(0.0, max(int(count.max(initial=0)), 1) + 0.5)
@@ -223,16 +223,16 @@ def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:
     )
 
 
-def held(trajectory: Trajectory, values: Array) -> tuple[Array, Array]:
+def _held(trajectory: Trajectory, values: Array) -> tuple[Array, Array]:
     """Return times and values with the last value repeated at the end of its control period."""
     return series.state_times(trajectory), np.concatenate([values, values[-1:]])
 
 
-def component_style(index: int) -> dict[str, Any]:
+def _component(index: int) -> dict[str, Any]:
     return {"color": style.AXIS_COLOURS[index], "linestyle": style.AXIS_STYLES[index]}
 
 
-def legend_above(axes: Axes, columns: int) -> None:
+def _legend(axes: Axes, columns: int) -> None:
     """Put the legend above the diagram, right of its title, where no data can lie."""
     axes.legend(
         loc="lower right",

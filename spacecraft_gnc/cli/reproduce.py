@@ -114,7 +114,12 @@ def _progress(silent: bool) -> Iterator[Progress]:
             if now - started > _PATIENCE and now - refreshed >= _REFRESH:
                 refreshed = now
                 bar.update(
-                    task, description=what, completed=step, total=n_steps, visible=True, refresh=True
+                    task,
+                    description=what,
+                    completed=step,
+                    total=n_steps,
+                    visible=True,
+                    refresh=True,
                 )
 
         yield update

@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME: Final = "bagherzadeh2023"
-TITLE: Final = "Bagherzadeh, Karimpour, Keshmiri (Robotica 2023): neighboring extremal NMPC on SO(3)"
+TITLE: Final = (
+    "Bagherzadeh, Karimpour, Keshmiri (Robotica 2023): neighboring extremal NMPC on SO(3)"
+)
 VARIANTS: Final = {
     "exact": "bagherzadeh2023_exact",
     "estimated du": "bagherzadeh2023_estimated_du",

@@ -114,9 +114,7 @@ def correction_times(studies: dict[str, Study], repeats: int = 20) -> tuple[floa
     flown = studies[TIMED].flights[NE].trajectory
     rows = np.empty((repeats, flown.n_steps))
     for row in rows:
-        for k, (attitude, momentum) in enumerate(
-            zip(flown.attitude, flown.momentum, strict=True)
-        ):
+        for k, (attitude, momentum) in enumerate(zip(flown.attitude, flown.momentum, strict=True)):
             begun = perf_counter()
             nominal.run.torque(k, attitude, momentum)
             row[k] = perf_counter() - begun
