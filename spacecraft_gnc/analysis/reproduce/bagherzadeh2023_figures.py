@@ -84,8 +84,9 @@ def _extremals(studies: Mapping[str, Study]) -> Figure:
     study = studies[TIMED]
     with style.applied():
         figure = Figure((11.0, 10.8), layout="constrained")
-        top, middle, bottom = figure.subfigures(3, 1)
-        _states(*top.subplots(1, 2), study)
+        top, middle, bottom = figure.subfigures(3, 1, squeeze=False)[:, 0]
+        left, right = top.subplots(1, 2)
+        _states(left, right, study)
         errors = middle.subplots(1, 3, sharey=True)
         for axes, (name, one) in zip(errors, studies.items(), strict=True):
             _errors(axes, name, one)

@@ -188,10 +188,9 @@ def _times_table(flights: Flights) -> Table:
         t, m = times(flown.step_times), summarize(flown.trajectory, flown.scenario)
         total, longest = _paper_times(case, method)
         iterations = f"{m['iterations_median']:g}, {m['iterations_max']}"
-        rows.append(
-            [f"{case}, {method}", total, seconds(t["total"]), longest, seconds(t["max"])]
-            + [seconds(t["median"]), iterations, str(m["fallback_steps"])]
-        )
+        ours = [seconds(t[key]) for key in ("total", "max", "median")]
+        name, fallbacks = f"{case}, {method}", str(m["fallback_steps"])
+        rows.append([name, total, ours[0], longest, ours[1], ours[2], iterations, fallbacks])
     notes = [
         "Iterations: median, most. Fallbacks: steps whose solve failed and flew another torque.",
         "Paper: MATLAB, 3.6 GHz Xeon; its fast solver is single shooting. It calls both fmincon",

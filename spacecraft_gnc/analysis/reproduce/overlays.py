@@ -14,11 +14,12 @@ from spacecraft_gnc.analysis.panels import TIME_LABEL
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
+    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-WIDE: Final = {"linewidth": 4.0, "alpha": 0.3, "solid_capstyle": "butt"}
+WIDE: Final[dict[str, Any]] = {"linewidth": 4.0, "alpha": 0.3, "solid_capstyle": "butt"}
 """What is compared with: a broad pale line, which a line that agrees with it runs along."""
-THIN: Final = {"linewidth": 1.2}
+THIN: Final[dict[str, Any]] = {"linewidth": 1.2}
 LINES: Final[Sequence[dict[str, Any]]] = (
     {"color": style.INK, "linestyle": "-"},
     {"color": style.AXIS_COLOURS[1], "linestyle": (0, (7, 2))},
@@ -58,7 +59,7 @@ def components(
     handles = [Line2D([], [], color=color) for color in style.AXIS_COLOURS]
     handles += [Line2D([], [], color=style.INK, **look) for _, look in flights.values()]
     labels = [f"${symbol}_{axis}$" for axis in "xyz"] + list(flights)
-    frame(axes, times, title, f"{title.split(',')[0].lower()} [{scaled.label}]")
+    frame(axes, times, title, f"{title.split(',', maxsplit=1)[0].lower()} [{scaled.label}]")
     key(axes, handles, labels)
 
 
@@ -68,7 +69,7 @@ def frame(axes: Axes, times: Array, title: str, ylabel: str) -> None:
     axes.set_xlim(times[0], times[-1])
 
 
-def key(axes: Axes, handles: Sequence[Line2D], labels: Sequence[str]) -> None:
+def key(axes: Axes, handles: Sequence[Artist], labels: Sequence[str]) -> None:
     """Put a legend of given lines under a diagram, where no data can lie."""
     axes.legend(
         handles,
