@@ -29,6 +29,10 @@ def warmup(
     quiet: QuietOption = False,
 ) -> None:
     """Compile the kernels of the built-in cores, and of the scenarios given, into the cache."""
+    import numpy as np
+
+    from spacecraft_gnc.loop.controllers import problem_of
+    from spacecraft_gnc.ocp import ShootingSolver
     from spacecraft_gnc.scenario import from_sections, load, registry
 
     started = time.perf_counter()
@@ -48,5 +52,6 @@ def warmup(
         ):
             core.warm_up()
     loaded[-1].build().run()
+    ShootingSolver(problem_of(loaded[-1])).solve_batch(np.eye(3)[None], np.zeros((1, 3)))
     if not quiet:
         print(f"kernels ready after {time.perf_counter() - started:.1f} s")

@@ -48,7 +48,7 @@ class SlsqpSolver:
     formulation = "slsqp"
 
     def __init__(
-        self, ocp: AttitudeOcp, tolerance: float = 1e-14, max_iterations: int = 200
+        self, ocp: AttitudeOcp, tolerance: float = 1e-11, max_iterations: int = 200
     ) -> None:
         self.ocp = ocp
         self._plain = replace(ocp, max_torque=0.0, zones=())

@@ -23,7 +23,7 @@ import numpy as np
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._neighboring_kernels import correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
-from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
+from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.types import Array, ArrayLike, require_positive
 
@@ -113,7 +113,8 @@ class NeighboringExtremal:
         """Return a neighbouring extremal or an exact solution, as `ShootingSolver.solve`.
 
         `Solution.formulation` tells which; a neighbouring extremal has ``iterations`` 0, and its
-        ``residual`` is what it leaves of the first-order conditions.
+        ``residual`` is what it leaves of the first-order conditions; ``min_curvature`` is that of
+        the exact solve whose factorisation it uses.
         """
         solution = None
         if self._age < self.neighboring.max_age:
@@ -127,6 +128,7 @@ class NeighboringExtremal:
         self.predicted_error = 0.0
         usable = solution.converged and self.solver.kept[0] == 1
         self._age = 0 if usable else self.neighboring.max_age
+        self._curvature = solution.min_curvature
         self._last[:3], self._last[3] = solution.attitudes[0], solution.momenta[0]
         self._reference, self._reference_bytes = solution.reference, solution.reference.tobytes()
         return solution
@@ -149,24 +151,21 @@ class NeighboringExtremal:
         solver = self.solver
         n, x = self.ocp.horizon, solver.inputs
         try:
-            x[:3], x[3], x[4:] = attitude, momentum, target
+            x[:3], x[3] = attitude, momentum  # the reference is still there
         except (ValueError, TypeError, IndexError):
             return None  # the exact solve says what is wrong
         R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
         u, lam = np.empty((n, 3)), np.empty((n, 6))
-        margins = np.empty(len(self.ocp.zones))
-        same, error, norm, cost, pivot, largest, off, travel = correct(
+        margins = np.empty(len(self.ocp.zones)) if self.ocp.zones else NO_MARGINS
+        same, error, norm, cost, largest, off, travel = correct(
             *solver.constants, x, R, Pi, u, lam, margins, *solver.work, self._last
         )
         if not same or not error <= self._largest_error:
             return None
         self.predicted_error = error
-        limit, margin = self.ocp.max_torque, float("inf")
-        if limit > 0.0:
-            margin = limit - largest**0.5
-            if margin < 0.0:
-                u[0] = self.ocp.realizable(u[0])
+        limit = self.ocp.max_torque
+        margin = limit - largest**0.5 if limit > 0.0 else float("inf")
         return Solution(
             u, R, Pi, lam, cost, Status.CONVERGED, 0, norm, perf_counter() - started, margin,
-            target, self.ocp, FORMULATION, pivot, margins, off, travel,
+            target, self.ocp, FORMULATION, self._curvature, margins, off, travel,
         )  # fmt: skip
