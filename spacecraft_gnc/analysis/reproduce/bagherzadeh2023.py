@@ -101,8 +101,8 @@ def _table_4(study: Study, costs: tuple[float, float]) -> Table:
     table = _times_table(PAPER_IV, study.flights, EXACT)
     share = f"{100.0 * study.hit_rate:.0f} %"
     notes = [
-        f"The correction alone: {seconds(costs[0])} along the stored run (NominalRun.torque),",
-        f"{seconds(costs[1])} on line (NeighboringExtremal.solve), which answered {share} of them.",
+        f"The correction alone: {seconds(costs[0])} along the stored run (NominalRun.torque), without",
+        f"the limits; {seconds(costs[1])} on line (NeighboringExtremal.solve), {share} of the steps.",
     ]
     return Table(f"Table IV: start changed by {TIMED}, time of a step", *table[1:3], notes)
 
