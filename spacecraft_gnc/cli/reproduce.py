@@ -71,8 +71,9 @@ def reproduce(
         result.write_text(json.dumps(json_able(values), indent=2) + "\n", encoding="utf-8")
     failed = [f"{r.name}: {check.quantity}" for r in reports for check in r.failed]
     if failed:
+        number = "1 figure" if len(failed) == 1 else f"{len(failed)} figures"
         raise RunFailed(
-            f"reproduce: {len(failed)} figures did not come out ({'; '.join(failed)}); "
+            f"reproduce: {number} did not come out ({'; '.join(failed)}); "
             "required every check within its tolerance; see the rows NOT OK"
         )
 

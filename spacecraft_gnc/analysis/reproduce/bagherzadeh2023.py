@@ -99,10 +99,11 @@ def _table_2(variants: Mapping[str, Flown]) -> Table:
 
 def _table_4(study: Study, costs: tuple[float, float]) -> Table:
     table = _times_table(PAPER_IV, study.flights, EXACT)
+    stored, online = map(seconds, costs)
     share = f"{100.0 * study.hit_rate:.0f} %"
     notes = [
-        f"The correction alone: {seconds(costs[0])} along the stored run (NominalRun.torque), without",
-        f"the limits; {seconds(costs[1])} on line (NeighboringExtremal.solve), {share} of the steps.",
+        f"The correction alone: {stored} along a stored run (NominalRun.torque), {online} on line",
+        f"(NeighboringExtremal.solve), where it answered {share} of the steps.",
     ]
     return Table(f"Table IV: start changed by {TIMED}, time of a step", *table[1:3], notes)
 
