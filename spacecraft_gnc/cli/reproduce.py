@@ -37,7 +37,7 @@ OutOption = Annotated[
 ]
 BaselinesOption = Annotated[
     bool,
-    typer.Option("--baselines/--no-baselines", help="Fly the slow baseline solvers (half a min)."),
+    typer.Option("--baselines/--no-baselines", help="Fly the slow baseline solvers (ten seconds)."),
 ]
 
 
