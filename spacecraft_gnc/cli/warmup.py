@@ -37,6 +37,9 @@ def warmup(
 
     started = time.perf_counter()
     loaded = [load(path) for path in scenarios or ()]
+    along_a_run = {"method": "neighboring_extremal", "nominal_rotation_vector": [0.0, 0.0, 0.1]}
+    body = {"inertia": _SPHEROID}
+    loaded.append(from_sections({"plant": body, "nmpc_controller": along_a_run}, "warmup"))
     for method, built_in in registry.BUILT_IN["controllers"].items():
         for variant in built_in.variants or ("",):
             controller = {"method": method, "zone_names": ["zone"], "zones": {"zone": _ZONE}}

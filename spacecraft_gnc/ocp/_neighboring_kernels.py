@@ -1,7 +1,7 @@
-"""Kernel of the on-line neighbouring extremal; see `neighboring`.
+"""Kernels of the neighbouring extremals; see `neighboring` (on line) and `nominal` (stored run).
 
-It lives on what a backward sweep leaves in the solver's arena: the multipliers ``guess``, their
-mismatch ``resid`` at the state ``last`` (4, 3), rows R and Pi, and a factorisation.
+On line they live on what a backward sweep leaves in the solver's arena: the multipliers ``guess``,
+their mismatch ``resid`` at the state ``last`` (4, 3), rows R and Pi, and a factorisation.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     add,
     dot,
     load3,
+    load9,
     load9_flat,
     load9_rows,
     mat_t_mat,
@@ -35,6 +36,17 @@ def small_rotation_vector(E):
     sine = math.sqrt(dot(v, v))
     angle = math.atan2(sine, 0.5 * (E[0] + E[4] + E[8] - 1.0))
     return scale(angle / sine, v) if sine > 1e-8 else v
+
+
+@kernel
+def feed_back(attitudes, momenta, torques, gains, k, state, u):
+    """Torque u of step k of a stored run, corrected for ``state`` (4, 3), rows R and Pi."""
+    eta = small_rotation_vector(mat_t_mat(load9(attitudes, k), load9_rows(state, 0)))
+    off = sub(load3(state, 3), load3(momenta, k))
+    for i in range(3):
+        u[i] = torques[k, i]
+        for j in range(3):
+            u[i] += gains[k, i, j] * eta[j] + gains[k, i, 3 + j] * off[j]
 
 
 @kernel

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp.linearization import deviation, linearize
+from spacecraft_gnc.ocp._neighboring_kernels import feed_back
+from spacecraft_gnc.ocp.linearization import linearize
 from spacecraft_gnc.ocp.shooting import ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.types import Array, ArrayLike, Matrix3, Vector3, as_rotation, as_vector3
@@ -47,9 +48,14 @@ class NominalRun:
         return len(self.torques)
 
     def torque(self, step: int, attitude: Matrix3, momentum: Vector3) -> Vector3:
-        """Return the torque (3,) [N m] of a step from a neighbouring state, not yet limited."""
-        off = deviation(attitude, momentum, self.attitudes[step], self.momenta[step])
-        return np.asarray(self.torques[step] + self.gains[step] @ off)
+        """Return the torque (3,) [N m] of a step from a neighbouring state, not yet limited.
+
+        The state lies less than half a turn from the run's.
+        """
+        state, torque = np.empty((4, 3)), np.empty(3)
+        state[:3], state[3] = attitude, momentum
+        feed_back(self.attitudes, self.momenta, self.torques, self.gains, step, state, torque)
+        return torque
 
 
 def fly_nominal(
