@@ -11,7 +11,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import _lgvi_kernels
 from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.loop import ClosedLoop, Source, Trajectory
-from spacecraft_gnc.ocp import Status, _solve_kernels
+from spacecraft_gnc.ocp import Status, _solve_kernels, _sweep_kernels
 
 REFERENCE = Path(__file__).parents[1] / "data" / "gupta2015_case1_ipopt.npz"
 
@@ -97,6 +97,6 @@ def test_a_file_that_is_no_flight_is_refused(tmp_path, content):
 
 
 def test_nothing_is_compiled_after_warm_up(build):
-    kernels = (_lgvi_kernels.advance, _solve_kernels.solve)
+    kernels = (_lgvi_kernels.advance, _solve_kernels.solve, _sweep_kernels.factorize)
     build(3).run()
-    assert [len(kernel.signatures) for kernel in kernels] == [1, 1]
+    assert [len(kernel.signatures) for kernel in kernels] == [1, 1, 1]
