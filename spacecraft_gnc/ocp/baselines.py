@@ -49,7 +49,7 @@ class SlsqpSolver:
     formulation = "slsqp"
 
     def __init__(
-        self, ocp: AttitudeOcp, tolerance: float = 1e-12, max_iterations: int = 100
+        self, ocp: AttitudeOcp, tolerance: float = 1e-13, max_iterations: int = 100
     ) -> None:
         self.ocp = ocp
         self._plain = replace(ocp, max_torque=0.0, zones=())
