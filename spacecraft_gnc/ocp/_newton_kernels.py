@@ -174,13 +174,14 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
     if status != CONVERGED:
         return status, 0, math.inf, math.inf, math.nan
     rho, saddles, steps = 0.0, 0, 0
+    certifying = False  # a factorisation that the chord kept from an earlier solve does not
     while True:
         if not math.isfinite(norm):
             return NOT_FINITE, steps, norm, math.inf, math.nan
         if norm <= tolerance * _costate_scale(horizon[3]):
-            # The last linearisation certifies, unless the limits that act have changed since.
+            # This solve's last linearisation certifies, unless other limits act since.
             stage = -1
-            if kept[0] == 0 or kept[1] != pattern:
+            if kept[0] == 0 or kept[1] != pattern or not certifying:
                 stage = _linearise(problem, horizon, fac, 0.0, False)
                 kept[0], kept[1] = 1, pattern
             pivot = smallest_pivot(h, fac)
@@ -210,5 +211,6 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
                 problem, horizon, work, rho, estimated, cost, norm
             )
         kept[0], kept[1] = 1 if used == 0.0 and not estimated else 0, before
+        certifying = True
         if status != CONVERGED:
             return status, steps, norm, cost, math.nan

@@ -109,7 +109,7 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
     N = u.shape[0]
     h, Jd, R_ref = data[H], body_nonstandard_inertia(body), load9(track, 2)
     R_k, Pi_k = load9(R, 0), load3(Pi, 0)
-    cost, pattern = 0.0, 0
+    cost, pattern, total = 0.0, 0, 0.0
     for k in range(N):
         q0, q, ok = relative_quaternion(body, h, Pi_k)
         if not ok:
@@ -126,7 +126,6 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
         store9(R, k + 1, R_k)
         store3(Pi, k + 1, Pi_k)
     pattern = 7 * pattern + sweep_costates(data, zones, track, R, Pi, lam, W)
-    total = 0.0
     for k in range(N):
         r = sub(load3(lam, k, 3), load3(guess, k))
         store3(resid, k, r)
@@ -135,13 +134,13 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
 
 
 @kernel
-def _is_definite(S):
-    """Whether the eigenvalues of S = I + h V22 U, which are real, are all positive.
+def _is_definite(S, det):
+    """Whether the eigenvalues of S = I + h V22 U or its inverse, which are real, are all positive.
 
     By the signs of its characteristic polynomial: U may be singular to rounding, S is not.
     """
     minors = S[0] * S[4] - S[1] * S[3] + S[0] * S[8] - S[2] * S[6] + S[4] * S[8] - S[5] * S[7]
-    return S[0] + S[4] + S[8] > 0.0 and minors > 0.0
+    return det > 0.0 and S[0] + S[4] + S[8] > 0.0 and minors > 0.0
 
 
 @kernel
@@ -151,11 +150,9 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
     ``rho`` >= 0 is Levenberg's term: U becomes U (I + rho U)^-1.
     """
     h, Jd = data[H], body_nonstandard_inertia(body)
-    S2, B = data9(data, S_Q2), load9(track, 0)
-    N = W.shape[0]
+    S2, B, N = data9(data, S_Q2), load9(track, 0), W.shape[0]
     V11 = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), load9(track, 1))))
-    V12 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    V21 = V12
+    V12 = V21 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     V22 = data9(data, S_P2)
     indefinite = -1
     for k in range(N - 1, -1, -1):
@@ -165,7 +162,7 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
         L2 = mat_scale(h, mat_mat(V22, U))
         S = mat_add(EYE, L2)
         S_inverse, det = inverse(S)
-        if indefinite < 0 and not (det > 0.0 and _is_definite(S)):
+        if indefinite < 0 and not _is_definite(S, det):
             indefinite = k
         F, M, A = load9_flat(W, k), load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
         Y12 = mat_add(mat_mat(V11, M), mat_mat(V12, A))
@@ -260,9 +257,12 @@ def smallest_pivot(h, fac):
     smallest = math.inf
     for k in range(fac.shape[0]):
         lowest, highest = extreme_eigenvalues(pivot_inverse(h, fac, k))
-        # A direction that no actuator moves, or that the limit holds, has an inverse near zero.
-        pivot = 1.0 / highest if lowest > -1e-12 * abs(highest) else 1.0 / lowest
-        smallest = min(smallest, pivot)
+        if not math.isfinite(lowest):
+            return math.nan
+        # S gives the sign: an inverse near zero, as of what no actuator moves, has either.
+        S_inverse = load9_flat(fac, k, SI_AT)
+        definite = _is_definite(S_inverse, inverse(S_inverse)[1])
+        smallest = min(smallest, 1.0 / highest if definite else -abs(1.0 / lowest))
     return smallest
 
 

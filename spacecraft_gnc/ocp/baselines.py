@@ -187,11 +187,14 @@ class FsolveSolver:
 
         first = np.zeros(6) if warm_start is None else warm_start[0]
         found = root(residual, first, method="hybr", options={"xtol": 1e-14})
-        norm = float(np.linalg.norm(residual(found.x)))
+        lam[0] = found.x
+        code, E1, E2 = _shooting_kernels.propagate_horizon(*problem, *self._horizon)
+        if code != 0 or not np.isfinite(R).all():
+            status = Status(code) if code != 0 else Status.NOT_FINITE
+            return failed(ocp, state, target, status, self.formulation)
+        norm = float(np.linalg.norm([*E1, *E2]))
         solved = norm <= self._tolerance
         status = Status.CONVERGED if solved else Status.LINE_SEARCH_FAILED
-        if not np.isfinite(R).all():
-            return failed(ocp, state, target, Status.NOT_FINITE, self.formulation)
         outcome = (status, int(found.nfev), norm, horizon_cost(*problem[1:], R, Pi, W))
         largest = float(np.linalg.norm(W[:, Z_AT:], axis=1).max())
         plan = (R.copy(), Pi.copy(), u.copy(), lam.copy())

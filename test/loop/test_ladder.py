@@ -44,7 +44,7 @@ def test_a_failed_solve_does_not_poison_the_next(build):
 
 def test_a_bad_warm_start_is_tried_once_more_from_zero(build):
     controller = build().controller
-    controller._warm_start = np.full(6, 1e300)
+    controller._warm_start = np.full((5, 6), 1e300)
     assert controller.command(START, TARGET).source is Source.OPTIMAL
 
 

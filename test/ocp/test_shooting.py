@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from independent import Problem
+from ocp_cases import independent, problems, shoot
 from scipy.optimize import minimize
-from strategies import inertias, rotations, vectors, weights
+from strategies import rotations, vectors
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError, ShapeError
@@ -22,58 +22,6 @@ from spacecraft_gnc.ocp import (
     Status,
     Weights,
 )
-from spacecraft_gnc.ocp import _shooting_kernels as kernels
-from spacecraft_gnc.ocp._stage_kernels import WORK
-from spacecraft_gnc.ocp.problem import track_of
-
-
-def independent(ocp, reference=None):
-    """The same problem for the plain implementation."""
-    w = ocp.weights
-    zones = [
-        (z.body_axis, -z.sign * z.inertial_axis, -z.sign * math.cos(z.half_angle), z.penalty)
-        for z in ocp.zones
-    ]
-    return Problem(
-        ocp.inertia, ocp.time_step, ocp.horizon, w.stage_attitude, w.stage_momentum, w.stage_torque,
-        w.terminal_attitude, w.terminal_momentum, ocp.max_torque**2, ocp.torque_penalty, zones,
-        np.eye(3) if reference is None else reference,
-    )  # fmt: skip
-
-
-def shoot(ocp, attitude, momentum, reference, multipliers):
-    """Residual (44) and its derivative from the kernels."""
-    n = ocp.horizon
-    R, Pi, u, lam = (
-        np.empty((n + 1, 3, 3)),
-        np.empty((n + 1, 3)),
-        np.empty((n, 3)),
-        np.empty((n, 6)),
-    )
-    W, T, E = np.zeros((n, WORK)), np.empty((6, 12)), np.empty((6, 6))
-    R[0], Pi[0], lam[0] = attitude, momentum, multipliers
-    track = track_of(ocp, reference)
-    constants = (ocp.body.packed, ocp.data, ocp.zone_rows, track)
-    status, E1, E2 = kernels.propagate_horizon(*constants, R, Pi, u, lam, W)
-    assert status == Status.CONVERGED
-    kernels.shooting_jacobian(*constants, R, Pi, u, lam, W, T, E)
-    return np.array([*E1, *E2]), E
-
-
-@st.composite
-def problems(draw, penalties=(10.0, 1e4)):
-    """A problem with full matrices, a zone that is often active and a limit that often binds."""
-    axis = draw(rotations())[:, 0]
-    zone = PointingZone(
-        draw(st.sampled_from(["exclusion", "inclusion"])), draw(rotations())[:, 0], axis,
-        draw(st.floats(0.3, 2.0)), draw(st.floats(0.01, 1.0)),
-    )  # fmt: skip
-    return AttitudeOcp(
-        draw(inertias()), draw(st.floats(0.05, 0.4)), draw(st.integers(1, 8)),
-        Weights(*(draw(weights(smallest)) for smallest in (0.0, 0.0, 0.1, 0.0, 0.0))),
-        max_torque=draw(st.sampled_from([0.0, 0.1, 0.3])),
-        torque_penalty=draw(st.floats(*penalties)), zones=(zone,),
-    )  # fmt: skip
 
 
 def test_first_problem_of_case_1(case_1):
@@ -254,7 +202,7 @@ def test_failures_are_statuses_not_exceptions(case_1):
     assert fast.status is Status.UNSOLVABLE_STEP
     assert math.isnan(fast.min_curvature)
     assert "Kalabic" in fast.status.advice
-    wild = ShootingSolver(ocp).solve(attitude, momentum, warm_start=np.full(6, 1e300))
+    wild = ShootingSolver(ocp).solve(attitude, momentum, warm_start=np.full((5, 6), 1e300))
     assert not wild.converged
 
 
@@ -269,6 +217,7 @@ def test_failures_are_statuses_not_exceptions(case_1):
         ((np.eye(3), np.zeros(3), np.diag([1.0, 1.0, -1.0])), ParameterError, "reference"),
         ((np.eye(3), np.zeros(3), np.eye(2)), ShapeError, "reference"),
         ((np.eye(3), np.zeros(3), None, np.zeros(5)), ParameterError, "warm_start"),
+        ((np.eye(3), np.zeros(3), None, np.zeros(6)), ParameterError, r"warm_start.*\(5, 6\)"),
     ],
 )
 def test_wrong_inputs_raise_and_name_the_argument(case_1, arguments, error, words):
