@@ -93,7 +93,7 @@ def _require_writable(result: Path | None) -> None:
     else:
         return
     raise RecordingError(
-        f"--json: received {str(result)!r}, {problem}; required a file that can be written; {remedy}"
+        f"--json: received {str(result)!r}, {problem}; required a file to write; {remedy}"
     )
 
 
