@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -27,7 +28,7 @@ _PATIENCE = 2.0  # wall time [s] before a progress line appears
 _REFRESH = 0.1  # wall time [s] between two pictures of it
 NameArgument = Annotated[
     str | None,
-    typer.Argument(metavar="[NAME]", help="gupta2015 or bagherzadeh2023.  [default: all]"),
+    typer.Argument(metavar="NAME", help="gupta2015 or bagherzadeh2023.  [default: all]"),
 ]
 ResultOption = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Write the figures here as JSON.")
@@ -80,11 +81,20 @@ def reproduce(
 
 def _require_writable(result: Path | None) -> None:
     """Refuse a file that could not be written, before anything is flown."""
-    if result is not None and (result.is_dir() or not result.parent.is_dir()):
-        raise RecordingError(
-            f"--json: received {str(result)!r}; required a file in a folder that exists; "
-            f"create it: mkdir -p {result.parent}"
-        )
+    if result is None:
+        return
+    folder = result.parent
+    if result.is_dir():
+        problem, remedy = "a directory", "name a file in it"
+    elif not folder.is_dir():
+        problem, remedy = "in a folder that does not exist", f"create it: mkdir -p {folder}"
+    elif not os.access(result if result.exists() else folder, os.W_OK):
+        problem, remedy = "which may not be written", "choose another one"
+    else:
+        return
+    raise RecordingError(
+        f"--json: received {str(result)!r}, {problem}; required a file to write; {remedy}"
+    )
 
 
 def _print(report: Report, files: list[Path]) -> None:

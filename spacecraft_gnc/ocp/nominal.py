@@ -5,8 +5,8 @@ conditions the torque is then that of the run plus the gain times the deviation 
 (66), cut to the torque limit; nothing is solved. `loop.neighboring` flies it, with an exact solve
 every so many steps if asked.
 
-Measured (docs/solver.md): fed with the true state, this does not drift. The paper's drift comes
-from a deviation that is itself propagated linearly.
+Measured (docs/reproduce.md): fed with the true state, this does not drift. A drift as in the paper
+comes out where the deviation is itself propagated linearly and its torques are flown open loop.
 """
 
 from __future__ import annotations

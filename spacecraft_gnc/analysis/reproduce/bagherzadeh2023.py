@@ -83,7 +83,7 @@ def _table_2(variants: Mapping[str, Flown]) -> Table:
     table = _times_table(PAPER_II, variants, "exact")
     iterations, errors = ["Newton steps, most"], ["ISE of the torque"]
     for name, flown in variants.items():
-        m = summarize(flown.trajectory, flown.scenario)
+        m = _metrics(flown)
         error = square_errors(variants["exact"], flown)[-1].max()
         iterations += [NONE, f"{m['iterations_median']:g}, {m['iterations_max']}"]
         errors += [NONE, NONE] if name == "exact" else ["1e-7", f"{error:.0e}"]
@@ -126,26 +126,35 @@ def _times_table(
 def _errors_table(studies: Mapping[str, Study]) -> Table:
     rows = []
     for name, study in studies.items():
-        errors = {
-            "NE of a propagated deviation, open loop (paper)": study.error_of(study.open_loop),
-            "the linear prediction itself": study.error_of(study.predicted),
-            "NE of the true state": study.error_of(study.raw),
-            "NE of the true state, cut to the limit": study.error(NE),
-            NE_EXACT_10: study.error(NE_EXACT_10),
-            f"{ONLINE}, {100.0 * study.hit_rate:.0f} % of steps": study.error(ONLINE),
+        paths = {
+            "NE of a propagated deviation, open loop (paper)": study.open_loop,
+            "the linear prediction itself": study.predicted,
+            "NE of the true state": study.raw,
         }
-        rows += [
-            [f"{name}: {way}", f"{error.max():.4f}", f"{error[-1]:.4f}"]
-            for way, error in errors.items()
-        ]
-    notes = ["The paper plots its states without figures; its drift is that of the first rows."]
+        for way, path in paths.items():
+            error = study.error_of(path)
+            rows.append([f"{name}: {way}", f"{error.max():.4f}", f"{error[-1]:.4f}", NONE, NONE])
+        for way in (NE, NE_EXACT_10, ONLINE):
+            error, m = study.error(way), _metrics(study.flights[way])
+            label = f"{name}: {way}" + (", cut to the limit" if way == NE else "")
+            share = f"{100.0 * m['neighboring_share']:.0f} %"
+            torque = f"{m['neighboring_error']:.1e}"
+            rows.append([label, f"{error.max():.4f}", f"{error[-1]:.4f}", share, torque])
+    notes = [
+        "Torque: largest difference from an exact solve of the same state [N m].",
+        "The paper plots its states without figures; its drift is that of the first row of each.",
+    ]
     title = "Angle from the flight of exact solves [deg]"
-    return Table(title, ("start: way", "largest", "at 150 s"), rows, notes)
+    return Table(title, ("start: way", "largest", "at 150 s", "steps by NE", "torque"), rows, notes)
+
+
+def _metrics(flown: Flown) -> dict[str, Any]:
+    return summarize(flown.trajectory, flown.scenario)
 
 
 def _variant_checks(variants: Mapping[str, Flown]) -> Iterator[Check]:
     for name, flown in variants.items():
-        m = summarize(flown.trajectory, flown.scenario)
+        m = _metrics(flown)
         yield Check(f"{name}: error at 150 s", 0.21364, m["final_error_deg"], 1e-5, "deg")
         yield Check(f"{name}: steps that failed", 0, m["unconverged_steps"], 0)
         if name != "exact":
@@ -176,7 +185,7 @@ def _values(
         "variants": {
             name: {
                 "times": times(flown.step_times),
-                "metrics": summarize(flown.trajectory, flown.scenario),
+                "metrics": _metrics(flown),
                 "integral_square_error": square_errors(variants["exact"], flown)[-1],
             }
             for name, flown in variants.items()
@@ -191,6 +200,7 @@ def _study_values(study: Study) -> dict[str, Any]:
     errors |= {f"NE {name}": study.error_of(path) for name, path in paths.items()}
     return {
         "hit_rate": study.hit_rate,
+        "metrics": {name: _metrics(flown) for name, flown in study.flights.items()},
         "times": {name: times(flown.step_times) for name, flown in study.flights.items()},
         "error_max_deg": {name: error.max() for name, error in errors.items()},
         "error_end_deg": {name: error[-1] for name, error in errors.items()},

@@ -236,7 +236,6 @@ def _speed_up_tables(flights: Flights) -> list[Table]:
     notes = [
         "SLSQP keeps both limits exactly, ours and fsolve by penalty. In Case II as printed each",
         "rests before the zone and leaves by the standstill escape, not at the same step.",
-        "A baseline's step that fails flies on a fallback torque, and both go on from there.",
     ]
     return [Table("Speed-up over the baselines, same run", header, rows, notes)] if rows else []
 
