@@ -1,7 +1,7 @@
 """Kernels of the neighbouring extremals; see `neighboring` (on line) and `nominal` (stored run).
 
 On line they live on what a backward sweep leaves in the solver's arena: the multipliers ``guess``,
-their mismatch ``resid`` at the state ``last`` (4, 3), rows R and Pi, and a factorisation.
+their mismatch ``resid`` at the last state, R over Pi, and a factorisation.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from spacecraft_gnc.lie._mat3_kernels import (
 from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, summarise
 from spacecraft_gnc.ocp._stage_kernels import ALPHA, M_U, Z_AT, H
 from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, substitute
+
+LAST = 7  # row of ``inputs`` where the last state stands
 
 
 @kernel
@@ -60,8 +62,8 @@ def _cut(data, u, W):
 
 
 @kernel
-def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept, last):
-    """Carry the last optimum over to the state in ``inputs`` (7, 3), rows R, Pi, R_ref.
+def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept):
+    """Carry the last optimum over to the state in ``inputs`` (11, 3), rows R, Pi, R_ref, last.
 
     One solve with the kept factorisation predicts the multipliers, one evaluation shows what is
     left of the conditions, and a second solve the error of the torque. Returns whether the state
@@ -74,8 +76,8 @@ def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept, last
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
         return False, nan, nan, nan, nan, nan, nan
-    eta = small_rotation_vector(mat_t_mat(load9_rows(last, 0), R_0))
-    substitute(data[H], fac, resid, eta, sub(Pi_0, load3(last, 3)), 0.0, step)
+    eta = small_rotation_vector(mat_t_mat(load9_rows(inputs, LAST), R_0))
+    substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)
     for k in range(N):
         store3(trial, k, add(load3(guess, k), load3(step, k)))
     store9(R, 0, R_0)
@@ -89,7 +91,7 @@ def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept, last
     for k in range(N):
         store3(guess, k, load3(trial, k))
     for i in range(4):
-        store3(last, i, load3(inputs, i))
+        store3(inputs, LAST + i, load3(inputs, i))
     largest, error, travel = summarise(zones, R_ref, R, W, margins)
     _cut(data, u, W)
     return pattern == kept[1], math.sqrt(dot(left, left)), norm, cost, largest, error, travel
