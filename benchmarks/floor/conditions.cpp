@@ -36,7 +36,8 @@ Residual propagate(const Settings& s, std::vector<Stage>& stages, Vec l1, Vec l2
 
 }  // namespace
 
-// Settings as in the file of floor.cpp, a state (R row-major, Pi) and 6 multipliers; `out` receives the 6 residuals, the first torque, the multipliers one step later.
+// Settings as in the file of floor.cpp, a state (R row-major, Pi) and 6 multipliers; `out` receives
+// the 6 residuals, the first torque, the multipliers one step later.
 extern "C" void conditions(const double* settings, const double* state, const double* multipliers,
                            double* out) {
   Settings s;

@@ -31,7 +31,8 @@ struct Sweep {
   std::vector<Vec> guess, trial, residual, step;
 
   explicit Sweep(const Settings& settings)
-      : s(settings), stages(s.N + 1), factors(s.N), guess(s.N), trial(s.N), residual(s.N), step(s.N) {}
+      : s(settings), stages(s.N + 1), factors(s.N), guess(s.N), trial(s.N), residual(s.N),
+        step(s.N) {}
 
   // Rollout under the controls of `g`, costates (34)-(37) backward; the norm of lambda2 - g.
   double evaluate(const std::vector<Vec>& g) {

@@ -53,7 +53,8 @@ inline void control(const Settings& s, Vec l2, Vec& u, double& sigma) {
   for (int i = 0; i < 50; ++i) {
     const double size = s.limit + t;
     sigma = 2.0 * s.penalty * t * (s.limit + size);
-    const double step = (size * (s.q3 + sigma) - y) / (s.q3 + sigma + 4.0 * s.penalty * size * size);
+    const double slope = s.q3 + sigma + 4.0 * s.penalty * size * size;
+    const double step = (size * (s.q3 + sigma) - y) / slope;
     t -= step;
     if (std::fabs(step) <= 1e-10 * t) break;
   }

@@ -20,7 +20,7 @@ OPTIONS = {
 
 
 class SqpMethod(MultipleShooting):
-    """With the penalty it fails half of the time: the limit is a constraint here."""
+    """The limit is a constraint: with the penalty some states stay above the tolerance."""
 
     formulation = (
         "limit as a constraint, multiple shooting in (quaternion, momentum), exact Hessian, qrqp, "
