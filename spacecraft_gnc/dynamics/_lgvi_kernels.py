@@ -27,6 +27,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     sub,
 )
 
+BODY_SIZE = 28
 MAX_NEWTON_STEPS = 30
 # Newton converges quadratically: after a correction of 1e-10 the error is below rounding.
 LAST_CORRECTION_SQUARED = 1e-20

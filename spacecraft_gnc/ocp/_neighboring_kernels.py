@@ -24,8 +24,8 @@ from spacecraft_gnc.lie._mat3_kernels import (
     sub,
     vee_antisymmetric,
 )
-from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, summarise
-from spacecraft_gnc.ocp._stage_kernels import ALPHA, M_U, Z_AT, H
+from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, repeat_last, summarise
+from spacecraft_gnc.ocp._stage_kernels import ALPHA, Z_AT, H
 from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, substitute
 
 LAST = 7  # row of ``inputs`` where the last state stands
@@ -62,7 +62,7 @@ def _cut(data, u, W):
 
 
 @kernel
-def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept):
+def correct(inputs, R, Pi, u, lam, margins, arena, kept):
     """Carry the last optimum over to the state in ``inputs`` (11, 3), rows R, Pi, R_ref, last.
 
     One solve with the kept factorisation predicts the multipliers, one evaluation shows what is
@@ -72,7 +72,8 @@ def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept):
     nan = math.nan
     N = u.shape[0]
     R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
-    track, W, work, _, _ = carve(arena, N, int(data[M_U]))
+    problem, W, work, _, _ = carve(arena, N, margins.shape[0])
+    body, data, zones, track = problem
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
         return False, nan, nan, nan, nan, nan, nan
@@ -82,7 +83,9 @@ def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept):
         store3(trial, k, add(load3(guess, k), load3(step, k)))
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
-    status, cost, norm, pattern = evaluate(body, data, zones, track, trial, R, Pi, u, lam, resid, W)
+    status, cost, norm, pattern = evaluate(
+        body, data, zones, track, trial, R, Pi, u, lam[:N], resid, W
+    )
     if status != 0 or not math.isfinite(norm):
         return False, nan, norm, nan, nan, nan, nan
     zero = (0.0, 0.0, 0.0)
@@ -92,6 +95,7 @@ def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept):
         store3(guess, k, load3(trial, k))
     for i in range(4):
         store3(inputs, LAST + i, load3(inputs, i))
+    repeat_last(lam)
     largest, error, travel = summarise(zones, R_ref, R, W, margins)
     _cut(data, u, W)
     return pattern == kept[1], math.sqrt(dot(left, left)), norm, cost, largest, error, travel

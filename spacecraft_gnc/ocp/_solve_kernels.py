@@ -1,6 +1,6 @@
 """Kernels behind `shooting.ShootingSolver`: one solve, and many.
 
-``arena`` is the work space of one solver, a flat array that `arena_size` measures; ``kept`` (4,)
+``arena`` is problem and work space of one solver, a flat array by `make_arena`; ``kept`` (4,)
 tells what of it an earlier solve left for the chord: two entries for each formulation.
 """
 
@@ -8,7 +8,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc.dynamics._lgvi_kernels import BODY_SIZE
 from spacecraft_gnc.lie._mat3_kernels import (
     dot,
     inverse,
@@ -23,8 +26,17 @@ from spacecraft_gnc.lie._mat3_kernels import (
 )
 from spacecraft_gnc.ocp._newton_kernels import CHORD, CONVERGED, SADDLE, newton
 from spacecraft_gnc.ocp._shooting_kernels import newton_shooting
-from spacecraft_gnc.ocp._stage_kernels import M_U, Z_AT, horizon_cost, set_track, work_size
+from spacecraft_gnc.ocp._stage_kernels import (
+    D_U,
+    M_U,
+    Z_AT,
+    ZONE_SIZE,
+    horizon_cost,
+    set_track,
+    work_size,
+)
 from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE, factorize, smallest_pivot
+from spacecraft_gnc.types import Array
 
 BAD_STATE, BAD_REFERENCE = -1, -2
 ROTATION_ERROR_SQUARED = 1e-12  # square of types.ROTATION_TOLERANCE
@@ -34,9 +46,11 @@ _TRACK = 27
 _INPUTS = 21  # numbers of the state and reference that a batch hands to `solve`
 
 
-def arena_size(n: int, m: int) -> int:
-    """Length of the arena for n steps and m controls."""
-    return _TRACK + _SINGLE + n * (work_size(m) + FACTOR_SIZE + _VECTORS) + _INPUTS
+def make_arena(body: Array, data: Array, zones: Array, n: int) -> Array:
+    """Return the arena for n steps, with the problem's constants in place."""
+    m = int(data[M_U])
+    room = _TRACK + _SINGLE + n * (work_size(m) + FACTOR_SIZE + _VECTORS) + _INPUTS
+    return np.concatenate([body, data, zones.ravel(), np.zeros(room)])
 
 
 @kernel
@@ -85,11 +99,24 @@ def summarise(zones, R_ref, R, W, margins):
 
 
 @kernel
-def carve(arena, N, m):
-    """Cut the arena into track, W, (guess, trial, resid, step, fac), T and E."""
-    a, b = _TRACK, _TRACK + N * (Z_AT + m)
-    track, W = arena[:a].reshape((3, 3, 3)), arena[a:b].reshape((N, Z_AT + m))
-    n = 3 * N
+def repeat_last(lam):
+    """Repeat the last multipliers in the row after them."""
+    N = lam.shape[0] - 1
+    for i in range(6):
+        lam[N, i] = lam[N - 1, i]
+
+
+@kernel
+def carve(arena, N, n_zones):
+    """Cut the arena into (body, data, zones, track), W, (guess, trial, resid, step, fac), T, E."""
+    m = int(arena[BODY_SIZE + M_U])
+    a = BODY_SIZE + D_U + 4 * m
+    body, data = arena[:BODY_SIZE], arena[BODY_SIZE:a]
+    b = a + ZONE_SIZE * n_zones
+    zones = arena[a:b].reshape((n_zones, ZONE_SIZE))
+    problem = (body, data, zones, arena[b : b + _TRACK].reshape((3, 3, 3)))
+    a, b = b + _TRACK, b + _TRACK + N * (Z_AT + m)
+    W, n = arena[a:b].reshape((N, Z_AT + m)), 3 * N
     guess, trial = arena[b : b + n].reshape((N, 3)), arena[b + n : b + 2 * n].reshape((N, 3))
     b += 2 * n
     resid, step = arena[b : b + n].reshape((N, 3)), arena[b + n : b + 2 * n].reshape((N, 3))
@@ -97,7 +124,7 @@ def carve(arena, N, m):
     fac = arena[b : b + FACTOR_SIZE * N].reshape((N, FACTOR_SIZE))
     b += FACTOR_SIZE * N
     T, E = arena[b : b + 72].reshape((6, 12)), arena[b + 72 : b + 108].reshape((6, 6))
-    return track, W, (guess, trial, resid, step, fac), T, E
+    return problem, W, (guess, trial, resid, step, fac), T, E
 
 
 @kernel
@@ -131,10 +158,12 @@ def _shoot(problem, horizon, fac, T, E, kept, warm, options):
 
 @kernel
 def solve(
-    body, data, zones, inputs, warm, R, Pi, u, lam, margins, arena, kept,
+    inputs, warm, R, Pi, u, lam, margins, arena, kept,
     single, rule, damping, estimated, tolerance, max_steps,
 ):  # fmt: skip
     """Solve from ``inputs`` (7, 3), rows R, Pi, R_ref; fills R, Pi, u, lam and the zone margins.
+
+    ``lam`` has N + 1 rows, the last of which repeats the one before it.
 
     Returns status (negative: input refused), steps, residual, cost, curvature, largest |u|^2, the
     angle from R_0 to R_ref and the angle turned over the horizon.
@@ -146,11 +175,11 @@ def solve(
         return BAD_STATE, 0, nan, nan, nan, nan, nan, nan
     if not is_rotation(R_ref):
         return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
-    track, W, work, T, E = carve(arena, N, int(data[M_U]))
-    set_track(data, R_ref, track)
+    problem, W, work, T, E = carve(arena, N, margins.shape[0])
+    set_track(problem[1], R_ref, problem[3])
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
-    problem, horizon = (body, data, zones, track), (R, Pi, u, lam, W)
+    horizon = (R, Pi, u, lam[:N], W)
     if rule != CHORD:
         kept[0], kept[2] = 0, 0
     if single:
@@ -166,13 +195,14 @@ def solve(
         kept[0], kept[2] = 0, 0
     if not math.isfinite(norm):
         return status, steps, norm, nan, nan, nan, nan, nan
-    largest, error, travel = summarise(zones, R_ref, R, W, margins)
+    repeat_last(lam)
+    largest, error, travel = summarise(problem[2], R_ref, R, W, margins)
     return status, steps, norm, cost, pivot, largest, error, travel
 
 
 @kernel
 def solve_batch(
-    body, data, zones, states, R_ref, warm, R, Pi, u, lam, margins, arena, kept,
+    states, R_ref, warm, R, Pi, u, lam, margins, arena, kept,
     single, rule, damping, estimated, tolerance, max_steps, numbers,
 ):  # fmt: skip
     """Solve from every row of ``states`` (n, 4, 3), R over Pi; ``numbers`` (n, 8) as `solve`.
@@ -186,7 +216,7 @@ def solve_batch(
         inputs[4:] = R_ref
         n = numbers[j]
         n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7] = solve(
-            body, data, zones, inputs, warm[min(j, warm.shape[0] - 1)],
-            R[j], Pi[j], u[j], lam[j], margins[j], arena, kept,
+            inputs, warm[min(j, warm.shape[0] - 1)], R[j], Pi[j], u[j], lam[j], margins[j],
+            arena, kept,
             single, rule, damping, estimated, tolerance, max_steps,
         )  # fmt: skip

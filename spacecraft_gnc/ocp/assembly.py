@@ -32,7 +32,7 @@ def assemble(
         torques=torques,
         attitudes=attitudes,
         momenta=momenta,
-        costates=costates,
+        multipliers=np.vstack([costates, costates[-1:]]),
         cost=cost,
         status=status,
         iterations=iterations,

@@ -66,7 +66,7 @@ def solve_many(
             f"warm_starts: received an array of shape {warm_starts.shape}; required "
             f"({n}, {steps}, 6); stack the multipliers of one state in each row"
         )
-    u, lam = np.empty((n, steps, 3)), np.empty((n, steps, 6))
+    u, lam = np.empty((n, steps, 3)), np.empty((n, steps + 1, 6))
     margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
     solver.run_batch(solve_batch, states, target, warm_starts, (R, Pi, u, lam, margins), numbers)
     status = numbers[:, 0].astype(np.int64)
@@ -77,7 +77,7 @@ def solve_many(
         torques=u,
         attitudes=R,
         momenta=Pi,
-        costates=lam,
+        costates=lam[:, :-1],
         status=status,
         iterations=numbers[:, 1].astype(np.int64),
         residual=numbers[:, 2],

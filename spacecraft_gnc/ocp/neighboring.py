@@ -89,7 +89,7 @@ class NeighboringExtremal:
         scale = ocp.max_torque if ocp.max_torque > 0.0 else 1.0
         self._largest_error = self.neighboring.tolerance * scale
         self._n = ocp.horizon
-        self._problem, self._work = self.solver.constants, self.solver.work
+        self._work = self.solver.work
         self._rows = np.empty((11, 3))
         self.reset()
 
@@ -153,10 +153,10 @@ class NeighboringExtremal:
         except (ValueError, TypeError, IndexError):
             return None  # the exact solve says what is wrong
         R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
-        u, lam = np.empty((n, 3)), np.empty((n, 6))
+        u, lam = np.empty((n, 3)), np.empty((n + 1, 6))
         margins = np.empty(len(self.ocp.zones)) if self.ocp.zones else NO_MARGINS
         same, error, norm, cost, largest, off, travel = correct(
-            *self._problem, rows, R, Pi, u, lam, margins, *self._work
+            rows, R, Pi, u, lam, margins, *self._work
         )
         if not same or not error <= self._largest_error:
             return None

@@ -33,7 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp._solve_kernels import BAD_REFERENCE, BAD_STATE, arena_size, solve
+from spacecraft_gnc.ocp._solve_kernels import BAD_REFERENCE, BAD_STATE, make_arena, solve
 from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.solution import Solution, Status
@@ -120,8 +120,8 @@ class ShootingSolver:
     ----------
     formulation : str
         What ``auto`` came to.
-    constants, work, inputs
-        Problem, work space and input rows, as the kernels of this package share them.
+    work
+        Problem and work space, as the kernels of this package share them.
 
     Notes
     -----
@@ -139,8 +139,9 @@ class ShootingSolver:
         self.formulation = AUTOMATIC if options.formulation == "auto" else options.formulation
         n = ocp.horizon
         self._n = n
-        self.constants = (ocp.body.packed, ocp.data, ocp.zone_rows)
-        self.work = (np.zeros(arena_size(n, ocp.n_controls)), np.zeros(4, np.int64))
+        self._n_zones = len(ocp.zones)
+        arena = make_arena(ocp.body.packed, ocp.data, ocp.zone_rows, n)
+        self.work = (arena, np.zeros(4, np.int64))
         self._settings = (
             self.formulation == "single_shooting",
             STEP_RULES.index(options.step_rule),
@@ -149,7 +150,7 @@ class ShootingSolver:
             options.residual_tolerance,
             options.max_iterations,
         )
-        self.inputs = np.empty((7, 3))
+        self._inputs = np.empty((7, 3))
         self._cold = np.zeros((n, 6))
 
     def solve(
@@ -186,7 +187,7 @@ class ShootingSolver:
         n = self._n
         target = IDENTITY if reference is None else reference
         guess = self._cold if warm_start is None else warm_start
-        x = self.inputs  # one array of one type: one compiled kernel for every caller
+        x = self._inputs  # one array of one type: one compiled kernel for every caller
         try:
             x[:3], x[3], x[4:] = attitude, momentum, target
         except (ValueError, TypeError, IndexError):
@@ -194,11 +195,10 @@ class ShootingSolver:
         if guess.shape != (n, 6):
             self._refuse_warm_start(guess)
         R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
-        u, lam = np.empty((n, 3)), np.empty((n, 6))
-        body, data, zones = self.constants
-        margins = np.empty(len(zones)) if len(zones) else NO_MARGINS
+        u, lam = np.empty((n, 3)), np.empty((n + 1, 6))
+        margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
         code, steps, residual, cost, curvature, largest, error, travel = solve(
-            body, data, zones, x, guess, R, Pi, u, lam, margins, *self.work, *self._settings
+            x, guess, R, Pi, u, lam, margins, *self.work, *self._settings
         )
         if code in (BAD_STATE, BAD_REFERENCE):
             self._refuse(attitude, momentum, target)
@@ -266,9 +266,7 @@ class ShootingSolver:
     ) -> None:
         """Hand many states (n, 4, 3) to a kernel with this solver's problem and settings."""
         warm = self._cold[None] if warm_starts is None else warm_starts
-        kernel(
-            *self.constants, states, reference, warm, *outputs, *self.work, *self._settings, numbers
-        )
+        kernel(states, reference, warm, *outputs, *self.work, *self._settings, numbers)
 
     @property
     def kept(self) -> NDArray[np.int64]:

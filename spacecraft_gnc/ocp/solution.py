@@ -58,8 +58,8 @@ class Solution(NamedTuple):
     """(N+1, 3, 3) predicted rotations, body to inertial."""
     momenta: Array
     """(N+1, 3) predicted angular momenta, body frame [N m s]."""
-    costates: Array
-    """(N, 6) multipliers (lambda1_k, lambda2_k) in the paper's scaling, half the true ones."""
+    multipliers: Array
+    """(N+1, 6) `costates`, with the last row twice: what `warm_start` is cut from."""
     cost: float
     """(27) + (28) + penalties, constants included."""
     status: Status
@@ -97,13 +97,14 @@ class Solution(NamedTuple):
         return self.status == Status.CONVERGED
 
     @property
+    def costates(self) -> Array:
+        """(N, 6) multipliers (lambda1_k, lambda2_k) in the paper's scaling, half the true ones."""
+        return self.multipliers[:-1]
+
+    @property
     def warm_start(self) -> Array | None:
         """Multipliers (N, 6) to start the next solve from, one step on; None if this one failed."""
-        if not self.converged:
-            return None
-        start = np.empty_like(self.costates)
-        start[:-1], start[-1] = self.costates[1:], self.costates[-1]
-        return start
+        return self.multipliers[1:] if self.converged else None
 
     @property
     def controls(self) -> Array:
