@@ -11,7 +11,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import _lgvi_kernels
 from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.loop import ClosedLoop, Source, Trajectory
-from spacecraft_gnc.ocp import Status, _solve_kernels
+from spacecraft_gnc.ocp import NeighboringExtremal, Status, _neighboring_kernels, _solve_kernels
 
 REFERENCE = Path(__file__).parents[1] / "data" / "gupta2015_case1_ipopt.npz"
 
@@ -97,6 +97,23 @@ def test_a_file_that_is_no_flight_is_refused(tmp_path, content):
 
 
 def test_nothing_is_compiled_after_warm_up(build):
-    kernels = (_lgvi_kernels.advance, _solve_kernels.solve)
+    """One signature, whatever the arrays are like: a second one would cost half a minute."""
+    kernels = (_lgvi_kernels.advance, _solve_kernels.solve, _neighboring_kernels.correct)
+    solver = build(3).controller.solver
     build(3).run()
-    assert [len(kernel.signatures) for kernel in kernels] == [1, 1]
+    near = NeighboringExtremal(solver.ocp)
+    near.warm_up()
+    R, Pi = np.eye(3), np.zeros(3)
+    frozen = np.zeros((5, 6))
+    frozen.setflags(write=False)
+    for attitude in (R.tolist(), np.asfortranarray(R), R.astype(np.float32), R[::1, ::1].T):
+        for start in (
+            None,
+            frozen,
+            np.zeros((6, 5)).T,
+            np.zeros((5, 6), np.float32),
+            [[0] * 6] * 5,
+        ):
+            assert solver.solve(attitude, Pi.tolist(), R.T, start).converged
+            assert near.solve(attitude, Pi[::-1], R.T, start).converged
+    assert [len(kernel.signatures) for kernel in kernels] == [1, 1, 1]
