@@ -50,7 +50,7 @@ lint: setup ## check style and types
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
 
-bench: setup ## measure the speed of the solver, the closed loop and the graph
+bench: setup .venv-peers/installed .venv-acados/installed ## measure the speed of solver, closed loop and graph, beside other solvers
 	@$(BIN)/gnc bench
 
 colcon: setup ## build both packages with colcon into build/ and install/
@@ -62,7 +62,7 @@ lock: $(STAMPS)/environment ## resolve the dependencies anew into requirements.l
 		--generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --quiet --upgrade --output-file requirements.lock
 
 clean: ## remove everything that make and colcon made, but no flight
-	rm -rf $(VENV) build install log *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf $(VENV) .venv-peers .venv-acados build install log *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find spacecraft_gnc test -name __pycache__ -prune -exec rm -rf {} +
 
 # An environment holds absolute paths: in a moved or copied checkout, or when its Python has gone,
@@ -103,3 +103,13 @@ $(STAMPS)/kernels: $(KERNELS) $(STAMPS)/dependencies | $(STAMPS)/package
 	@find spacecraft_gnc -name '*.nb[ci]' -delete
 	@$(BIN)/gnc warmup
 	@touch $@
+
+# The solvers that `make bench` compares with are optional: one that cannot be installed is left out,
+# and tried again the next time. acados' wheel overwrites casadi, hence two environments.
+.venv-%/installed: benchmarks/peers/%.txt $(STAMPS)/environment
+	@echo "== installing solvers to compare with into $(@D) (about a minute)"
+	@rm -rf $(@D) && $(BIN)/python -m venv $(@D)
+	@all=yes; for need in $$(sed 's/#.*//' $<); do \
+		$(@D)/bin/python -m pip install -qq "$$need" >$(@D)/log 2>&1 \
+			|| { all=no; echo "$$need cannot be installed here: left out"; }; \
+	done; test $$all = no || touch $@

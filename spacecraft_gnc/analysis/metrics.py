@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from spacecraft_gnc.analysis import series
+from spacecraft_gnc.analysis.neighboring import neighboring_metrics
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.types import Array
 
@@ -42,7 +43,8 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
         ``escaping_steps`` (at rest away from the target, and leaving there),
         ``solve_time_median``, ``_p99``, ``_max`` [s],
-        ``sources`` (steps by source), ``fallback_steps`` (steps without a solver's command).
+        ``sources`` (steps by source), ``fallback_steps`` (steps without a solver's command),
+        ``neighboring_share`` and ``neighboring_error`` (see `analysis.neighboring`).
     """
     controller = scenario.controller if scenario is not None else None
     n = len(trajectory.time)
@@ -56,6 +58,7 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         **_torque_metrics(trajectory, controller),
         **_zone_metrics(trajectory, controller),
         **_solver_metrics(trajectory),
+        **neighboring_metrics(trajectory, scenario),
     }
 
 

@@ -39,6 +39,15 @@ def machine() -> dict[str, Any]:
     }
 
 
+def machine_line() -> str:
+    """Return `machine` in one line."""
+    m = machine()
+    return (
+        f"{m['processor']}, {m['cores']} cores (load {m['load']:.1f}), {m['system']}, "
+        f"Python {m['python']}, numpy {m['numpy']}"
+    )
+
+
 def quantiles(seconds: Array) -> dict[str, float | int]:
     """Return median, 99 % quantile, largest value and number of samples."""
     return {

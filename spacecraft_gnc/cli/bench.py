@@ -20,11 +20,17 @@ ResultOption = Annotated[
 GraphOption = Annotated[
     bool, typer.Option("--graph/--no-graph", help="Fly the ROS 2 graph as well (half a minute).")
 ]
+PeersOption = Annotated[
+    bool, typer.Option("--peers/--no-peers", help="Time other solvers as well (some minutes).")
+]
+_PEERS = Path(__file__).resolve().parents[2] / "benchmarks" / "peers" / "run.py"
 _GRAPHS = {"graph_processes": [], "graph_composed": ["--composed"]}
 _FLIGHT = 4000.0  # [s] simulated: 10,000 control steps, so that the start does not count
 
 
-def bench(result: ResultOption = None, graph: GraphOption = True) -> None:
+def bench(
+    result: ResultOption = None, graph: GraphOption = True, peers: PeersOption = True
+) -> None:
     """Measure the speed of Gupta's Case I, layer by layer; figures for docs/performance.md."""
     from spacecraft_gnc.analysis import speed
     from spacecraft_gnc.scenario import load
@@ -37,6 +43,10 @@ def bench(result: ResultOption = None, graph: GraphOption = True) -> None:
     for name, options in _GRAPHS.items() if graph else ():
         figures[name] = _time_graph(path, options)
     _print(figures)
+    if peers and _PEERS.is_file():
+        figures["peers"] = _time_peers()
+    else:
+        print("other solvers: skipped; `make bench` in a checkout installs and times them")
     if result is not None:
         result.write_text(json.dumps(json_able(figures), indent=2) + "\n", encoding="utf-8")
         print(f"written to {result}")
@@ -52,6 +62,18 @@ def _time_graph(path: Path, options: list[str]) -> dict[str, Any]:
         raise RunFailed(f"gnc launch {' '.join(options)}: {done.stderr.strip()}")
     account: dict[str, Any] = json.loads(done.stdout)
     return account
+
+
+def _time_peers() -> dict[str, Any]:
+    """Run the comparison of the checkout, which prints its own table; return its figures."""
+    sys.stdout.flush()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "peers.json"
+        command = [sys.executable, str(_PEERS), "--json", str(path)]
+        if subprocess.run(command, check=False).returncode != 0:
+            raise RunFailed(f"{' '.join(command)} failed; what it said stands above")
+        figures: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return figures
 
 
 def _print(figures: dict[str, Any]) -> None:

@@ -44,6 +44,9 @@ COMMANDS: Final = {
     ),
     "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
     "bench": _Command(f"{_PACKAGE}.bench:bench", "Measure how fast this machine flies."),
+    "reproduce": _Command(
+        f"{_PACKAGE}.reproduce:reproduce", "Run a paper's cases; print ours beside the paper's."
+    ),
     "warmup": _Command(
         f"{_PACKAGE}.warmup:warmup", "Compile every kernel into the cache.", hidden=True
     ),

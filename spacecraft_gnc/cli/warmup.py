@@ -29,10 +29,17 @@ def warmup(
     quiet: QuietOption = False,
 ) -> None:
     """Compile the kernels of the built-in cores, and of the scenarios given, into the cache."""
+    import numpy as np
+
+    from spacecraft_gnc.loop.controllers import problem_of
+    from spacecraft_gnc.ocp import ShootingSolver
     from spacecraft_gnc.scenario import from_sections, load, registry
 
     started = time.perf_counter()
     loaded = [load(path) for path in scenarios or ()]
+    along_a_run = {"method": "neighboring_extremal", "nominal_rotation_vector": [0.0, 0.0, 0.1]}
+    body = {"inertia": _SPHEROID}
+    loaded.append(from_sections({"plant": body, "nmpc_controller": along_a_run}, "warmup"))
     for method, built_in in registry.BUILT_IN["controllers"].items():
         for variant in built_in.variants or ("",):
             controller = {"method": method, "zone_names": ["zone"], "zones": {"zone": _ZONE}}
@@ -48,5 +55,6 @@ def warmup(
         ):
             core.warm_up()
     loaded[-1].build().run()
+    ShootingSolver(problem_of(loaded[-1])).solve_batch(np.eye(3)[None], np.zeros((1, 3)))
     if not quiet:
         print(f"kernels ready after {time.perf_counter() - started:.1f} s")

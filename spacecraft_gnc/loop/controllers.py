@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.ladder import FallbackLadder
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
@@ -26,6 +28,7 @@ from spacecraft_gnc.ocp import (
     Solution,
     StateContinuation,
     Weights,
+    linearize,
 )
 from spacecraft_gnc.types import Array, ArrayLike
 
@@ -94,8 +97,10 @@ class SolverController:
         self._warm_start: Array | None = None
 
     def warm_up(self) -> None:
-        """Compile or load the kernels."""
+        """Compile or load the kernels, those of the ladder and the standstill included."""
         self.solver.warm_up()
+        linearize(self.solver.solve(np.eye(3), np.zeros(3)))
+        self.reset()
 
     def reset(self) -> None:
         """Forget warm start and plan."""

@@ -63,6 +63,7 @@ class NominalRunController:
     def warm_up(self) -> None:
         """Compile or load the kernels."""
         self._exact.warm_up()
+        fly_nominal(self._solver, *self._start, 1).torque(0, *self._start)
 
     def reset(self) -> None:
         """Forget the past; the nominal run stays."""

@@ -14,7 +14,7 @@ from spacecraft_gnc.nodes._topics import BODY_FRAME, INERTIAL_FRAME
 
 _INERTIAL = Header(frame_id=INERTIAL_FRAME)
 _BODY = Header(frame_id=BODY_FRAME)
-_NO_SOLVE = [SolverStatus.NOT_FINITE, 0, *([math.nan] * 2), *([math.nan] * 6), *([math.nan] * 3)]
+_NO_SOLVE = [SolverStatus.NO_SOLVE, 0, *([math.nan] * 2), *([math.nan] * 6), *([math.nan] * 3)]
 
 
 class GovernorStatusEncoder:

@@ -1,7 +1,7 @@
-"""Kernel of the on-line neighbouring extremal; see `neighboring`.
+"""Kernels of the neighbouring extremals; see `neighboring` (on line) and `nominal` (stored run).
 
-It lives on what a backward sweep leaves in the solver's arena: the multipliers ``guess``, their
-mismatch ``resid`` at the state ``last`` (4, 3), rows R and Pi, and a factorisation.
+On line they live on what a backward sweep leaves in the solver's arena: the multipliers ``guess``,
+their mismatch ``resid`` at the last state, R over Pi, and a factorisation.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     add,
     dot,
     load3,
+    load9,
     load9_flat,
     load9_rows,
     mat_t_mat,
@@ -24,10 +25,10 @@ from spacecraft_gnc.lie._mat3_kernels import (
     vee_antisymmetric,
 )
 from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, summarise
-from spacecraft_gnc.ocp._stage_kernels import M_U, H
-from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, smallest_pivot, substitute
+from spacecraft_gnc.ocp._stage_kernels import ALPHA, M_U, Z_AT, H
+from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, substitute
 
-REFUSED = -1
+LAST = 7  # row of ``inputs`` where the last state stands
 
 
 @kernel
@@ -40,8 +41,29 @@ def small_rotation_vector(E):
 
 
 @kernel
-def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept, last):
-    """Carry the last optimum over to the state in ``inputs`` (7, 3), rows R, Pi, R_ref.
+def feed_back(attitudes, momenta, torques, gains, k, state, u):
+    """Torque u of step k of a stored run, corrected for ``state`` (4, 3), rows R and Pi."""
+    eta = small_rotation_vector(mat_t_mat(load9(attitudes, k), load9_rows(state, 0)))
+    off = sub(load3(state, 3), load3(momenta, k))
+    for i in range(3):
+        u[i] = torques[k, i]
+        for j in range(3):
+            u[i] += gains[k, i, j] * eta[j] + gains[k, i, 3 + j] * off[j]
+
+
+@kernel
+def _cut(data, u, W):
+    """Scale u_0 down to the torque limit, which the penalty lets it pass by a little."""
+    zz = 0.0
+    for i in range(Z_AT, W.shape[1]):
+        zz += W[0, i] * W[0, i]
+    if data[ALPHA] > 0.0 and zz > data[ALPHA]:
+        store3(u, 0, scale((1.0 - 2.0**-52) * math.sqrt(data[ALPHA] / zz), load3(u, 0)))
+
+
+@kernel
+def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept):
+    """Carry the last optimum over to the state in ``inputs`` (11, 3), rows R, Pi, R_ref, last.
 
     One solve with the kept factorisation predicts the multipliers, one evaluation shows what is
     left of the conditions, and a second solve the error of the torque. Returns whether the state
@@ -53,24 +75,23 @@ def correct(body, data, zones, inputs, R, Pi, u, lam, margins, arena, kept, last
     track, W, work, _, _ = carve(arena, N, int(data[M_U]))
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
-        return False, nan, nan, nan, nan, nan, nan, nan
-    eta = small_rotation_vector(mat_t_mat(load9_rows(last, 0), R_0))
-    substitute(data[H], fac, resid, eta, sub(Pi_0, load3(last, 3)), 0.0, step)
+        return False, nan, nan, nan, nan, nan, nan
+    eta = small_rotation_vector(mat_t_mat(load9_rows(inputs, LAST), R_0))
+    substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)
     for k in range(N):
         store3(trial, k, add(load3(guess, k), load3(step, k)))
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
     status, cost, norm, pattern = evaluate(body, data, zones, track, trial, R, Pi, u, lam, resid, W)
     if status != 0 or not math.isfinite(norm):
-        return False, nan, norm, nan, nan, nan, nan, nan
+        return False, nan, norm, nan, nan, nan, nan
     zero = (0.0, 0.0, 0.0)
     substitute(data[H], fac, resid, zero, zero, 0.0, step)
     left = mat_vec(load9_flat(fac, 0, U_AT), load3(step, 0))
     for k in range(N):
         store3(guess, k, load3(trial, k))
     for i in range(4):
-        store3(last, i, load3(inputs, i))
+        store3(inputs, LAST + i, load3(inputs, i))
     largest, error, travel = summarise(zones, R_ref, R, W, margins)
-    same = pattern == kept[1]
-    pivot = smallest_pivot(data[H], fac) if same else nan
-    return same, math.sqrt(dot(left, left)), norm, cost, pivot, largest, error, travel
+    _cut(data, u, W)
+    return pattern == kept[1], math.sqrt(dot(left, left)), norm, cost, largest, error, travel

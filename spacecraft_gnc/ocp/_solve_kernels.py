@@ -175,8 +175,9 @@ def solve_batch(
     body, data, zones, states, R_ref, warm, R, Pi, u, lam, margins, arena, kept,
     single, rule, damping, estimated, tolerance, max_steps, numbers,
 ):  # fmt: skip
-    """Solve from every row of ``states`` (n, 4, 3), R over Pi, cold; ``numbers`` (n, 8) as `solve`.
+    """Solve from every row of ``states`` (n, 4, 3), R over Pi; ``numbers`` (n, 8) as `solve`.
 
+    ``warm`` (1 or n, N, 6) are the multipliers to start from, of which the last serves the rest.
     ``inputs`` of `solve` is made in the last numbers of the arena.
     """
     inputs = arena[arena.shape[0] - _INPUTS :].reshape((7, 3))
@@ -186,6 +187,7 @@ def solve_batch(
         inputs[4:] = R_ref
         n = numbers[j]
         n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7] = solve(
-            body, data, zones, inputs, warm, R[j], Pi[j], u[j], lam[j], margins[j], arena, kept,
+            body, data, zones, inputs, warm[min(j, warm.shape[0] - 1)],
+            R[j], Pi[j], u[j], lam[j], margins[j], arena, kept,
             single, rule, damping, estimated, tolerance, max_steps,
         )  # fmt: skip

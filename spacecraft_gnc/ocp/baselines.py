@@ -22,6 +22,7 @@ from spacecraft_gnc.ocp.rollout import Horizon, track_of
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
+SETTLED = 1e-6  # residual with which a search that forward differences no longer advance is done
 FAR = 1e12  # cost of controls under which the integrator has no step
 
 
@@ -48,7 +49,7 @@ class SlsqpSolver:
     formulation = "slsqp"
 
     def __init__(
-        self, ocp: AttitudeOcp, tolerance: float = 1e-14, max_iterations: int = 200
+        self, ocp: AttitudeOcp, tolerance: float = 1e-13, max_iterations: int = 100
     ) -> None:
         self.ocp = ocp
         self._plain = replace(ocp, max_torque=0.0, zones=())
@@ -129,6 +130,8 @@ class SlsqpSolver:
             for k in np.flatnonzero(np.linalg.norm(u, axis=1) >= ocp.max_torque * (1.0 - 1e-6)):
                 gradient[k] -= (gradient[k] @ u[k]) / (u[k] @ u[k]) * u[k]
         norm = float(np.linalg.norm(gradient)) / (2.0 * ocp.time_step)
+        if norm <= SETTLED:
+            status = Status.CONVERGED
         torques = np.ascontiguousarray(u @ ocp.torque_map.T)
         plan = (horizon.attitudes, horizon.momenta, torques, horizon.costates)
         outcome = (status, iterations, norm, self._plain.cost(u, *state, target))

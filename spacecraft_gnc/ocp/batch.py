@@ -49,7 +49,11 @@ class BatchSolution(NamedTuple):
 
 
 def solve_many(
-    solver: ShootingSolver, attitudes: ArrayLike, momenta: ArrayLike, reference: ArrayLike | None
+    solver: ShootingSolver,
+    attitudes: ArrayLike,
+    momenta: ArrayLike,
+    reference: ArrayLike | None,
+    warm_starts: Array | None,
 ) -> BatchSolution:
     """Solve from every state; see `ShootingSolver.solve_batch`."""
     begun = perf_counter()
@@ -57,9 +61,16 @@ def solve_many(
     target = as_rotation("reference", np.eye(3) if reference is None else reference)
     n, steps = len(states), solver.ocp.horizon
     R, Pi = np.empty((n, steps + 1, 3, 3)), np.empty((n, steps + 1, 3))
+    if warm_starts is not None:  # a copy: one array of one type for the one compiled kernel
+        warm_starts = np.array(warm_starts, dtype=np.float64, order="C")
+        if warm_starts.shape != (n, steps, 6):
+            raise ShapeError(
+                f"warm_starts: received an array of shape {warm_starts.shape}; required "
+                f"({n}, {steps}, 6); stack the multipliers of one state in each row"
+            )
     u, lam = np.empty((n, steps, 3)), np.empty((n, steps, 6))
     margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
-    solver.run_batch(solve_batch, states, target, (R, Pi, u, lam, margins), numbers)
+    solver.run_batch(solve_batch, states, target, warm_starts, (R, Pi, u, lam, margins), numbers)
     status = numbers[:, 0].astype(np.int64)
     for row in np.flatnonzero(status < 0):  # name the first state that is none
         as_rotation(f"attitudes[{row}]", states[row, :3])

@@ -15,15 +15,16 @@ multipliers, instead of the torques, as what is corrected; Gupta et al. 2015, Re
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp._neighboring_kernels import correct
+from spacecraft_gnc.ocp._neighboring_kernels import LAST, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
-from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
+from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.types import Array, ArrayLike, require_positive
 
@@ -87,14 +88,16 @@ class NeighboringExtremal:
             )
         scale = ocp.max_torque if ocp.max_torque > 0.0 else 1.0
         self._largest_error = self.neighboring.tolerance * scale
-        self._last = np.empty((4, 3))
+        self._n = ocp.horizon
+        self._problem, self._work = self.solver.constants, self.solver.work
+        self._rows = np.empty((11, 3))
         self.reset()
 
     def reset(self) -> None:
         """Forget the last optimum and the counts."""
         self._age = self.neighboring.max_age
-        self._reference: Array | None = None
-        self._reference_bytes = b""
+        self._curvature = math.nan
+        self._target, self._target_bytes = np.eye(3), b""
         self.corrected = self.solved = 0
         self.predicted_error = 0.0
 
@@ -113,22 +116,23 @@ class NeighboringExtremal:
         """Return a neighbouring extremal or an exact solution, as `ShootingSolver.solve`.
 
         `Solution.formulation` tells which; a neighbouring extremal has ``iterations`` 0, and its
-        ``residual`` is what it leaves of the first-order conditions.
+        ``residual`` is what it leaves of the first-order conditions; ``min_curvature`` is that of
+        the exact solve whose factorisation it uses.
         """
-        solution = None
         if self._age < self.neighboring.max_age:
-            solution = self._correct(attitude, momentum, reference)
-        if solution is not None:
-            self._age += 1
-            self.corrected += 1
-            return solution
+            corrected = self._correct(attitude, momentum, reference)
+            if corrected is not None:
+                return corrected
         solution = self.solver.solve(attitude, momentum, reference, warm_start)
         self.solved += 1
         self.predicted_error = 0.0
         usable = solution.converged and self.solver.kept[0] == 1
         self._age = 0 if usable else self.neighboring.max_age
-        self._last[:3], self._last[3] = solution.attitudes[0], solution.momenta[0]
-        self._reference, self._reference_bytes = solution.reference, solution.reference.tobytes()
+        self._curvature = solution.min_curvature
+        self._target, self._target_bytes = solution.reference, solution.reference.tobytes()
+        rows = self._rows
+        rows[4:7] = solution.reference
+        rows[LAST : LAST + 3], rows[LAST + 3] = solution.attitudes[0], solution.momenta[0]
         return solution
 
     def warm_up(self) -> None:
@@ -141,32 +145,27 @@ class NeighboringExtremal:
         self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None
     ) -> Solution | None:
         started = perf_counter()
-        target = self._reference
-        if target is None or (
-            reference is not None and np.asarray(reference).tobytes() != self._reference_bytes
-        ):
+        if reference is not None and np.asarray(reference).tobytes() != self._target_bytes:
             return None
-        solver = self.solver
-        n, x = self.ocp.horizon, solver.inputs
+        n, rows = self._n, self._rows
         try:
-            x[:3], x[3], x[4:] = attitude, momentum, target
+            rows[:3], rows[3] = attitude, momentum
         except (ValueError, TypeError, IndexError):
             return None  # the exact solve says what is wrong
         R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
         u, lam = np.empty((n, 3)), np.empty((n, 6))
-        margins = np.empty(len(self.ocp.zones))
-        same, error, norm, cost, pivot, largest, off, travel = correct(
-            *solver.constants, x, R, Pi, u, lam, margins, *solver.work, self._last
+        margins = np.empty(len(self.ocp.zones)) if self.ocp.zones else NO_MARGINS
+        same, error, norm, cost, largest, off, travel = correct(
+            *self._problem, rows, R, Pi, u, lam, margins, *self._work
         )
         if not same or not error <= self._largest_error:
             return None
+        self._age += 1
+        self.corrected += 1
         self.predicted_error = error
-        limit, margin = self.ocp.max_torque, float("inf")
-        if limit > 0.0:
-            margin = limit - largest**0.5
-            if margin < 0.0:
-                u[0] = self.ocp.realizable(u[0])
+        limit = self.ocp.max_torque
+        margin = limit - largest**0.5 if limit > 0.0 else float("inf")
         return Solution(
             u, R, Pi, lam, cost, Status.CONVERGED, 0, norm, perf_counter() - started, margin,
-            target, self.ocp, FORMULATION, pivot, margins, off, travel,
+            self._target, self.ocp, FORMULATION, self._curvature, margins, off, travel,
         )  # fmt: skip

@@ -5,8 +5,8 @@ conditions the torque is then that of the run plus the gain times the deviation 
 (66), cut to the torque limit; nothing is solved. `loop.neighboring` flies it, with an exact solve
 every so many steps if asked.
 
-Measured (docs/solver.md): fed with the true state, this does not drift. The paper's drift comes
-from a deviation that is itself propagated linearly.
+Measured (docs/reproduce.md): fed with the true state, this does not drift. A drift as in the paper
+comes out where the deviation is itself propagated linearly and its torques are flown open loop.
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp.linearization import deviation, linearize
+from spacecraft_gnc.ocp._neighboring_kernels import feed_back
+from spacecraft_gnc.ocp.linearization import linearize
 from spacecraft_gnc.ocp.shooting import ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.types import Array, ArrayLike, Matrix3, Vector3, as_rotation, as_vector3
@@ -47,9 +48,14 @@ class NominalRun:
         return len(self.torques)
 
     def torque(self, step: int, attitude: Matrix3, momentum: Vector3) -> Vector3:
-        """Return the torque (3,) [N m] of a step from a neighbouring state, not yet limited."""
-        off = deviation(attitude, momentum, self.attitudes[step], self.momenta[step])
-        return np.asarray(self.torques[step] + self.gains[step] @ off)
+        """Return the torque (3,) [N m] of a step from a neighbouring state, not yet limited.
+
+        The state lies less than half a turn from the run's.
+        """
+        state, torque = np.empty((4, 3)), np.empty(3)
+        state[:3], state[3] = attitude, momentum
+        feed_back(self.attitudes, self.momenta, self.torques, self.gains, step, state, torque)
+        return torque
 
 
 def fly_nominal(

@@ -227,9 +227,13 @@ class ShootingSolver:
         )
 
     def solve_batch(
-        self, attitudes: ArrayLike, momenta: ArrayLike, reference: ArrayLike | None = None
+        self,
+        attitudes: ArrayLike,
+        momenta: ArrayLike,
+        reference: ArrayLike | None = None,
+        warm_starts: Array | None = None,
     ) -> BatchSolution:
-        """Solve from many states, each cold and by itself, without leaving compiled code.
+        """Solve from many states, each by itself, without leaving compiled code.
 
         Parameters
         ----------
@@ -239,6 +243,8 @@ class ShootingSolver:
             Angular momenta, body frame [N m s].
         reference : (3, 3) array, optional
             Attitude to track, body to inertial; the identity if absent.
+        warm_starts : (n, N, 6) array, optional
+            Multipliers to start each solve from; zero if absent.
 
         Returns
         -------
@@ -250,21 +256,22 @@ class ShootingSolver:
         ShapeError, ParameterError
             If an argument has another shape, or any state is refused by `solve`.
         """
-        return solve_many(self, attitudes, momenta, reference)
+        return solve_many(self, attitudes, momenta, reference, warm_starts)
 
     def run_batch(
         self,
         kernel: Callable[..., None],
         states: Array,
         reference: Matrix3,
+        warm_starts: Array | None,
         outputs: tuple[Array, ...],
         numbers: Array,
     ) -> None:
         """Hand many states (n, 4, 3) to a kernel with this solver's problem and settings."""
+        warm = self._cold[None] if warm_starts is None else warm_starts
         kernel(
-            *self.constants, states, reference, self._cold, *outputs, *self.work,
-            *self._settings, numbers,
-        )  # fmt: skip
+            *self.constants, states, reference, warm, *outputs, *self.work, *self._settings, numbers
+        )
 
     @property
     def kept(self) -> NDArray[np.int64]:

@@ -26,6 +26,7 @@ from spacecraft_gnc.recording.steps import (
 from spacecraft_gnc.types import Array
 
 NPZ_SUFFIX: Final = ".npz"
+_NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
 _GRID_TOLERANCE: Final = 1e-6  # [s] stamps are whole nanoseconds, the grid is k times the period
 
 
@@ -176,7 +177,9 @@ def _trajectory(rows: _Rows, period: float) -> Trajectory:
         residual=_filled(n, (), statuses, lambda m: m.residual),
         cost=_filled(n, (), statuses, lambda m: m.cost),
         solve_time=_filled(n, (), statuses, lambda m: m.wall_solve_time),
-        status=_filled_integers(n, -1, statuses, lambda m: m.status),
+        status=_filled_integers(
+            n, -1, statuses, lambda m: -1 if m.status == _NO_SOLVE else m.status
+        ),
         source=_filled_integers(n, -1, rows.torques, lambda torque: torque[1]),
         final_attitude=_matrix(final.attitude),
         final_momentum=np.array(_xyz(final.angular_momentum)),

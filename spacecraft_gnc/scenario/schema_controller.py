@@ -186,7 +186,7 @@ class ControllerParameters(NodeParameters):
     )
     continuation: str = parameter(
         Kind.STRING,
-        "none",
+        "penalty",
         "homotopy that is tried where a solve fails",
         choices=("none", "penalty", "state"),
     )

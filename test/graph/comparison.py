@@ -26,12 +26,13 @@ EXACT = (
 )
 
 
-def assert_equals_simulation(bag: Path, *overrides: str) -> None:
+def assert_equals_simulation(bag: Path, *overrides: str, scenario: Path = CASE1) -> None:
     """Every number of a bag is that of `gnc simulate`, to the last bit."""
-    simulated = load(CASE1, overrides).build().run()
+    simulated = load(scenario, overrides).build().run()
     flown = read_flight(bag)
     assert not flown.info.missing
     assert not flown.info.overridden
     for name in EXACT:
         ours, theirs = getattr(flown.trajectory, name), getattr(simulated, name)
-        assert np.array_equal(ours, theirs), name
+        # a step without a solve has no residual: NaN on both sides
+        assert np.array_equal(ours, theirs, equal_nan=True), name

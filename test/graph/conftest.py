@@ -45,7 +45,7 @@ class Graph:
         """Launch; return the folder of the run."""
         out = options.pop("out", None) or self.folder / f"run-{len(list(self.folder.iterdir()))}"
         before = options.pop("before", None)
-        plan = make_plan(CASE1, overrides, out=out, **options)
+        plan = make_plan(options.pop("scenario", CASE1), overrides, out=out, **options)
         if before is not None:
             before()
         self.launcher = Launcher(plan, display or Display(), time.monotonic())

@@ -65,7 +65,7 @@ def test_a_standstill(solved: Command, escaping: bool) -> None:
 
 def test_no_solve() -> None:
     message = decoded(Command(np.zeros(3), Source.ZERO, None))
-    assert message.status == SolverStatus.NOT_FINITE
+    assert message.status == SolverStatus.NO_SOLVE
     assert (message.formulation, message.active_constraint) == ("", "")
     assert all(math.isnan(x) for x in (message.residual, message.min_curvature, message.cost))
     assert len(message.predicted_torques) == 3 * HORIZON

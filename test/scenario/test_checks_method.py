@@ -17,7 +17,7 @@ CHANGED: dict[str, Any] = {
     "formulation": "single_shooting",
     "step_rule": "damped",
     "damping": 0.7,
-    "continuation": "penalty",
+    "continuation": "state",
     **NOMINAL,
     "nominal_momentum": [0.0, 0.0, 0.1],
     "exact_every": 10,

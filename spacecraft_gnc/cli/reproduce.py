@@ -1,0 +1,136 @@
+"""``gnc reproduce``: a paper's cases, ours beside the paper's figures."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from spacecraft_gnc.cli._common import (
+    QuietOption,
+    RunFailed,
+    is_interactive,
+    json_able,
+)
+from spacecraft_gnc.errors import RecordingError
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.reproduce.flights import Progress
+    from spacecraft_gnc.analysis.reproduce.report import Report
+
+_PATIENCE = 2.0  # wall time [s] before a progress line appears
+_REFRESH = 0.1  # wall time [s] between two pictures of it
+NameArgument = Annotated[
+    str | None,
+    typer.Argument(metavar="NAME", help="gupta2015 or bagherzadeh2023.  [default: all]"),
+]
+ResultOption = Annotated[
+    Path | None, typer.Option("--json", metavar="FILE", help="Write the figures here as JSON.")
+]
+OutOption = Annotated[
+    Path, typer.Option("--out", "-o", metavar="DIR", help="Folder of the pictures.")
+]
+BaselinesOption = Annotated[
+    bool,
+    typer.Option("--baselines/--no-baselines", help="Fly the slow baseline solvers (ten seconds)."),
+]
+
+
+def reproduce(
+    name: NameArgument = None,
+    result: ResultOption = None,
+    out: OutOption = Path("runs/reproduce"),
+    baselines: BaselinesOption = True,
+    quiet: QuietOption = False,
+) -> None:
+    """Run a paper's cases; print ours beside the paper's figures; draw its pictures.
+
+    Ends with 1 where a figure does not come out.
+    """
+    from spacecraft_gnc.analysis.figures import save_figures
+    from spacecraft_gnc.analysis.reproduce import PAPERS, reproduce, require_paper
+
+    if name is not None:
+        require_paper(name)
+    _require_writable(result)
+    reports = []
+    for paper in PAPERS if name is None else [name]:
+        with _progress(quiet) as progress:
+            report = reproduce(paper, baselines=baselines, progress=progress)
+            files = save_figures(report.draw(), out)
+        if not quiet:
+            _print(report, files)
+        reports.append(report)
+    if result is not None:
+        values = {report.name: report.to_dict() for report in reports}
+        result.write_text(json.dumps(json_able(values), indent=2) + "\n", encoding="utf-8")
+    failed = [f"{r.name}: {check.quantity}" for r in reports for check in r.failed]
+    if failed:
+        number = "1 figure" if len(failed) == 1 else f"{len(failed)} figures"
+        raise RunFailed(
+            f"reproduce: {number} did not come out ({'; '.join(failed)}); "
+            "required every check within its tolerance; see the rows NOT OK"
+        )
+
+
+def _require_writable(result: Path | None) -> None:
+    """Refuse a file that could not be written, before anything is flown."""
+    if result is None:
+        return
+    folder = result.parent
+    if result.is_dir():
+        problem, remedy = "a directory", "name a file in it"
+    elif not folder.is_dir():
+        problem, remedy = "in a folder that does not exist", f"create it: mkdir -p {folder}"
+    elif not os.access(result if result.exists() else folder, os.W_OK):
+        problem, remedy = "which may not be written", "choose another one"
+    else:
+        return
+    raise RecordingError(
+        f"--json: received {str(result)!r}, {problem}; required a file to write; {remedy}"
+    )
+
+
+def _print(report: Report, files: list[Path]) -> None:
+    for line in report.lines():
+        print(line)
+    print()
+    for file in files:
+        print(f"written to {file}")
+    print()
+
+
+@contextmanager
+def _progress(silent: bool) -> Iterator[Progress]:
+    """Yield a progress callback that shows a bar once the flights last."""
+    if silent or not is_interactive():
+        yield lambda _what, _step, _n_steps: None
+        return
+    from rich.progress import Progress as Bar
+
+    started = time.perf_counter()
+    with Bar(transient=True, auto_refresh=False) as bar:
+        task = bar.add_task("flying", visible=False)
+        refreshed = started
+
+        def update(what: str, step: int, n_steps: int) -> None:
+            nonlocal refreshed
+            now = time.perf_counter()
+            if now - started > _PATIENCE and now - refreshed >= _REFRESH:
+                refreshed = now
+                bar.update(
+                    task,
+                    description=what,
+                    completed=step,
+                    total=n_steps,
+                    visible=True,
+                    refresh=True,
+                )
+
+        yield update

@@ -1,0 +1,147 @@
+"""``gnc reproduce``: the papers' figures come out, and what is printed, written and refused."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.reproduce import PAPERS, bagherzadeh2023_study, reproduce
+from spacecraft_gnc.analysis.reproduce.report import Check, Table, seconds, table_lines
+from spacecraft_gnc.cli import reproduce as command
+from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.scenario import load
+from spacecraft_gnc.scenario.shipped import shipped
+
+
+@pytest.fixture(scope="module", params=list(PAPERS))
+def report(request):
+    return reproduce(request.param, baselines=False)
+
+
+@pytest.fixture(scope="module")
+def bagherzadeh():
+    return reproduce("bagherzadeh2023")
+
+
+def run(*arguments):
+    """Run ``gnc reproduce`` and return its exit code."""
+    with pytest.raises(SystemExit) as ended:
+        main(["reproduce", *map(str, arguments)])
+    return ended.value.code or 0
+
+
+def test_every_figure_comes_out(report):
+    assert len(report.checks) > 20
+    assert report.failed == []
+
+
+def test_the_report_is_as_wide_as_a_wide_terminal(report):
+    assert max(map(len, report.lines())) <= 132
+    assert not any(line != line.rstrip() for line in report.lines())
+
+
+def test_neighbouring_extremals_do_not_drift_but_their_open_loop_does(bagherzadeh):
+    for start in bagherzadeh.values["starts"].values():
+        largest, end = start["error_max_deg"], start["error_end_deg"]
+        assert end["NE not cut"] < 0.02 * largest["NE not cut"] + 0.01
+        assert end["NE open loop"] > 100.0 * end["NE not cut"]
+        assert largest["NE on line"] < largest["NE + exact every 10"] < largest["NE"]
+        assert start["hit_rate"] > 0.8
+
+
+def test_the_estimated_sensitivities_lead_to_the_same_torques(bagherzadeh):
+    for variant in bagherzadeh.values["variants"].values():
+        assert np.max(variant["integral_square_error"]) < 1e-18
+
+
+@pytest.mark.parametrize("name", ["bagherzadeh2023_ne", "bagherzadeh2023_ne_exact10"])
+def test_the_second_initial_condition_is_that_of_the_scenarios(name):
+    angle, axis = bagherzadeh2023_study.STARTS[bagherzadeh2023_study.TIMED]
+    start = lie.log(bagherzadeh2023_study.start_of(angle, axis))
+    # The file has twelve digits.
+    assert load(shipped(name)).plant.initial_rotation_vector == pytest.approx(start, abs=1e-12)
+
+
+def test_all_papers_are_run_printed_written_and_drawn(tmp_path, capsys):
+    file, folder = tmp_path / "figures.json", tmp_path / "pictures"
+    assert run("--no-baselines", "--json", file, "--out", folder) == 0
+    printed = capsys.readouterr().out
+    results = json.loads(file.read_text(encoding="utf-8"))
+    assert list(results) == list(PAPERS)
+    for result in results.values():
+        assert result["ok"]
+        assert result["title"] in printed
+        assert all(check["quantity"] in printed for check in result["checks"])
+    flights = results["gupta2015"]["values"]["flights"]
+    assert flights["I, backward sweep"]["metrics"]["saturated_steps"] == 32
+    assert flights["I, backward sweep"]["times"]["total"] > 0.0
+    pictures = sorted(folder.iterdir())
+    assert [path.stem for path in pictures] == [
+        "bagherzadeh2023_extremals", "bagherzadeh2023_variants", "gupta2015_case1",
+        "gupta2015_case2",
+    ]  # fmt: skip
+    for path in pictures:
+        assert path.stat().st_size > 50_000
+        assert str(path) in printed
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"), [("gupta2016", "did you mean gupta2015?"), ("x", "choose one")]
+)
+def test_a_wrong_name_is_one_line_and_exit_code_2(name, remedy, capsys):
+    assert run(name) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith("error: ")
+    assert len(captured.err.splitlines()) == 1
+    assert remedy in captured.err
+    assert captured.out == ""
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_anything_flies(tmp_path, capsys):
+    assert run("gupta2015", "--json", tmp_path / "none" / "file.json", "--out", tmp_path) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith("error: --json: received ")
+    assert "mkdir -p" in captured.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_figure_that_does_not_come_out_ends_with_1(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("spacecraft_gnc.analysis.reproduce.bagherzadeh2023.LINEAR", (0.9, 3.6, 7.0))
+    assert run("bagherzadeh2023", "--quiet", "--out", tmp_path) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    (line,) = captured.err.splitlines()
+    assert line.startswith("error: reproduce: 1 figure did not come out")
+    assert "10 deg, [1,1,1]: NE open loop" in line
+
+
+def test_progress_is_shown_to_who_watches_once_it_lasts(capsys, monkeypatch):
+    monkeypatch.setattr(command, "is_interactive", lambda: True)
+    monkeypatch.setattr(command, "_PATIENCE", -1.0)
+    monkeypatch.setattr(command, "_REFRESH", 0.0)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with command._progress(silent=False) as progress:
+        progress("gupta2015_case1", 1, 2)
+    assert "gupta2015_case1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("ours", "ok"), [(1.05, True), (0.85, False), (np.nan, False)])
+def test_a_check_holds_within_its_tolerance(ours, ok):
+    assert Check("", 1.0, ours, 0.1).ok is ok
+
+
+def test_a_table_is_aligned():
+    table = Table("title", ("name", "value"), [("a", "1"), ("long name", "22")], ["note"])
+    assert list(table_lines(table)) == [
+        "title", "  name       value", "  a              1", "  long name     22", "  note",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(12.345, "12.35 s"), (0.0123, "12.3 ms"), (1.2e-5, "12 us"), (np.nan, "-")]
+)
+def test_times_in_their_unit(value, text):
+    assert seconds(value) == text
