@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.controllers import (
     OnlineNeighboringController,
     ShootingController,
@@ -72,7 +73,7 @@ class NominalRunController:
         """Return the torque of the run, corrected for where the body is, or an exact solve's."""
         run = self._nominal(reference)
         due = self._exact_every > 0 and state.step % self._exact_every == 0
-        if due or state.step >= len(run):
+        if run is None or due or state.step >= len(run):
             return self._exact.command(state, reference)
         torque = run.torque(state.step, state.attitude, state.momentum)
         if not np.isfinite(torque).all():
@@ -80,11 +81,15 @@ class NominalRunController:
         torque = self._solver.ocp.realizable(torque)
         return Command(torque, Source.NEIGHBORING_EXTREMAL, None)
 
-    def _nominal(self, reference: Reference) -> NominalRun:
-        """Return the run towards this reference, flown once."""
-        if self._run is None or not np.array_equal(reference.attitude, self._run_reference):
-            self._run = fly_nominal(self._solver, *self._start, self._n_steps, reference.attitude)
-            self._run_reference = reference.attitude
+    def _nominal(self, reference: Reference) -> NominalRun | None:
+        """Return the run towards this reference, flown once; None where it cannot be flown."""
+        target = reference.attitude
+        if not np.array_equal(target, self._run_reference):
+            self._run_reference = target
+            try:
+                self._run = fly_nominal(self._solver, *self._start, self._n_steps, target)
+            except GncError:  # no exception in flight: the exact solves go on without it
+                self._run = None
         return self._run
 
 

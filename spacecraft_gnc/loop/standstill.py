@@ -28,7 +28,7 @@ from spacecraft_gnc.types import Array, Vector3
 
 QUIET = 1e-3  # share of the error that motion and torque would cover in one horizon
 NEAR = 0.25  # share of the error within which the fixed point lies
-MARGINAL = 1e-9  # spectral radii up to 1 + this count as stable
+MARGINAL = 1e-6  # radii up to 1 + this are stable: an idle axis has 1 twice, known to 1e-8 only
 NOISE = 1e-6  # amplitude [rad, N m s] below which that of the unstable mode is rounding
 PUSH = 1e-2  # share of the error that the escape torque covers in one horizon
 TOUCHING = 1e-3  # angle [rad] to a zone, share of the torque limit, that counts as active
@@ -90,7 +90,7 @@ class StandstillMonitor:
             return Finding(stalled, solution.torques[0])
         push = self._escape_torque(vectors[:, worst].real, -to_fixed_point, error)
         torque = self._ocp.realizable(solution.torques[0] + push)
-        return Finding(Standstill(radius, True, self._active(solution)), torque)
+        return Finding(Standstill(radius, bool(push.any()), self._active(solution)), torque)
 
     def _escape_torque(self, mode: Array, offset: Array, error: float) -> Vector3:
         """Torque that moves the unstable mode's amplitude the most.

@@ -10,6 +10,8 @@ from __future__ import annotations
 import math
 
 from spacecraft_gnc._kernels import kernel
+from numba import njit
+thin = njit(cache=True, error_model='numpy', inline='always')
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, dot, load3, scale, store3
 from spacecraft_gnc.ocp._stage_kernels import ALPHA, P1, Q1, H
@@ -32,27 +34,27 @@ CONTRACTION = 0.5  # of the residual in one step, with which a kept Jacobian is 
 SADDLES = 5  # saddle points that a solve leaves before it gives up
 
 
-@kernel
+@thin
 def _at(problem, horizon, guess, resid):
     body, data, zones, track = problem
     R, Pi, u, lam, W = horizon
     return evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W)
 
 
-@kernel
+@thin
 def _linearise(problem, horizon, fac, rho, estimated):
     body, data, zones, track = problem
     R, Pi, _, lam, W = horizon
     return factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated)
 
 
-@kernel
+@thin
 def _move(guess, gamma, step, trial):
     for k in range(guess.shape[0]):
         store3(trial, k, add(load3(guess, k), scale(gamma, load3(step, k))))
 
 
-@kernel
+@thin
 def _newton_step(problem, work, rho):
     resid, step, fac = work[2], work[3], work[4]
     zero = (0.0, 0.0, 0.0)

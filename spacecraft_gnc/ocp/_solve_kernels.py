@@ -212,6 +212,7 @@ def solve_batch(
     """
     inputs = arena[arena.shape[0] - _INPUTS :].reshape((7, 3))
     for j in range(states.shape[0]):
+        kept[0], kept[2] = 0, 0  # a chord, too, starts each row by itself
         inputs[:4] = states[j]
         inputs[4:] = R_ref
         n = numbers[j]

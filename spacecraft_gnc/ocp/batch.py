@@ -61,11 +61,13 @@ def solve_many(
     target = as_rotation("reference", np.eye(3) if reference is None else reference)
     n, steps = len(states), solver.ocp.horizon
     R, Pi = np.empty((n, steps + 1, 3, 3)), np.empty((n, steps + 1, 3))
-    if warm_starts is not None and warm_starts.shape != (n, steps, 6):
-        raise ShapeError(
-            f"warm_starts: received an array of shape {warm_starts.shape}; required "
-            f"({n}, {steps}, 6); stack the multipliers of one state in each row"
-        )
+    if warm_starts is not None:  # a copy: one array of one type for the one compiled kernel
+        warm_starts = np.array(warm_starts, dtype=np.float64, order="C")
+        if warm_starts.shape != (n, steps, 6):
+            raise ShapeError(
+                f"warm_starts: received an array of shape {warm_starts.shape}; required "
+                f"({n}, {steps}, 6); stack the multipliers of one state in each row"
+            )
     u, lam = np.empty((n, steps, 3)), np.empty((n, steps + 1, 6))
     margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
     solver.run_batch(solve_batch, states, target, warm_starts, (R, Pi, u, lam, margins), numbers)

@@ -151,7 +151,7 @@ class ShootingSolver:
             options.max_iterations,
         )
         self._inputs = np.empty((7, 3))
-        self._cold = np.zeros((n, 6))
+        self._cold, self._warm = np.zeros((n, 6)), np.empty((n, 6))
 
     def solve(
         self,
@@ -186,14 +186,17 @@ class ShootingSolver:
         started = perf_counter()
         n = self._n
         target = IDENTITY if reference is None else reference
-        guess = self._cold if warm_start is None else warm_start
+        guess = self._cold
         x = self._inputs  # one array of one type: one compiled kernel for every caller
         try:
             x[:3], x[3], x[4:] = attitude, momentum, target
         except (ValueError, TypeError, IndexError):
             self._refuse(attitude, momentum, target)
-        if guess.shape != (n, 6):
-            self._refuse_warm_start(guess)
+        if warm_start is not None:
+            if np.shape(warm_start) != (n, 6):
+                self._refuse_warm_start(warm_start)
+            guess = self._warm  # a copy, for the same reason
+            guess[:] = warm_start
         R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
         u, lam = np.empty((n, 3)), np.empty((n + 1, 6))
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
@@ -283,8 +286,8 @@ class ShootingSolver:
         as_rotation("reference", reference)
         raise ParameterError("state: received no finite state; required one; check its numbers")
 
-    def _refuse_warm_start(self, guess: Array) -> NoReturn:
+    def _refuse_warm_start(self, guess: ArrayLike) -> NoReturn:
         raise ParameterError(
-            f"warm_start: received an array of shape {guess.shape}; required ({self._n}, 6) "
+            f"warm_start: received an array of shape {np.shape(guess)}; required ({self._n}, 6) "
             "multipliers; pass the warm_start of a solution of the same problem"
         )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from spacecraft_gnc.governors import PassThroughGovernor
 from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.loop.controllers import ShootingController
 from spacecraft_gnc.loop.plants import RigidBodyPlant
+from spacecraft_gnc.loop.standstill import StandstillMonitor
 from spacecraft_gnc.ocp import AttitudeOcp, ShootingSolver, Weights
 
 INERTIA = np.diag([1.0, 0.8, 0.8])
@@ -18,15 +21,18 @@ INERTIA = np.diag([1.0, 0.8, 0.8])
 
 @pytest.fixture
 def build():
-    """Return a factory of Case I's closed loop with a given number of control steps."""
+    """Return a factory of Case I's closed loop, with changes of its start and its problem.
 
-    def make(n_steps=375, substeps=1):
+    ``watch``: names of the zones, with which a standstill monitor is set up.
+    """
+
+    def make(n_steps=375, substeps=1, start=(0.25, 0.5, 0.5), watch=None, **changes):
         body = RigidBody(INERTIA, 0.4 / substeps)
-        attitude = lie.exp(np.array([0.25, 0.5, 0.5]))
-        plant = RigidBodyPlant(body, attitude, np.zeros(3), n_steps, substeps)
-        ocp = AttitudeOcp(INERTIA, 0.4, 5, Weights(), max_torque=0.01, torque_penalty=1e10)
-        return ClosedLoop(
-            plant, ShootingController(ShootingSolver(ocp)), PassThroughGovernor(np.eye(3))
-        )
+        plant = RigidBodyPlant(body, lie.exp(np.array(start)), np.zeros(3), n_steps, substeps)
+        problem = {"weights": Weights(), "max_torque": 0.01, "torque_penalty": 1e10} | changes
+        ocp = AttitudeOcp(INERTIA, 0.4, 5, **problem)
+        monitor = None if watch is None else StandstillMonitor(ocp, math.radians(0.1), watch)
+        controller = ShootingController(ShootingSolver(ocp), monitor)
+        return ClosedLoop(plant, controller, PassThroughGovernor(np.eye(3)))
 
     return make

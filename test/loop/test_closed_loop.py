@@ -11,7 +11,13 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import _lgvi_kernels
 from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.loop import ClosedLoop, Source, Trajectory
-from spacecraft_gnc.ocp import Status, _solve_kernels, _sweep_kernels
+from spacecraft_gnc.ocp import (
+    NeighboringExtremal,
+    Status,
+    _neighboring_kernels,
+    _solve_kernels,
+    _sweep_kernels,
+)
 
 REFERENCE = Path(__file__).parents[1] / "data" / "gupta2015_case1_ipopt.npz"
 
@@ -97,6 +103,29 @@ def test_a_file_that_is_no_flight_is_refused(tmp_path, content):
 
 
 def test_nothing_is_compiled_after_warm_up(build):
-    kernels = (_lgvi_kernels.advance, _solve_kernels.solve, _sweep_kernels.factorize)
-    build(3).run()
-    assert [len(kernel.signatures) for kernel in kernels] == [1, 1, 1]
+    """No new signature, whatever the arrays are like: one would cost half a minute."""
+    kernels = (
+        _lgvi_kernels.advance, _solve_kernels.solve, _sweep_kernels.factorize,
+        _neighboring_kernels.correct, _solve_kernels.solve_batch,
+    )  # fmt: skip
+    loop, R, Pi = build(3), np.eye(3), np.zeros(3)
+    solver = loop.controller.solver
+    near = NeighboringExtremal(solver.ocp)
+    loop.controller.warm_up()
+    loop.plant.warm_up()
+    near.warm_up()
+    solver.solve_batch(R[None], Pi[None])
+    # Not one each: kernels that others call count those calls, where they were compiled just now.
+    before = [len(kernel.signatures) for kernel in kernels]
+    assert min(before) >= 1
+    loop.run()
+    frozen = np.zeros((5, 6))
+    frozen.setflags(write=False)
+    for attitude in (R.tolist(), np.asfortranarray(R), R.astype(np.float32), R[::1, ::1].T):
+        starts = (None, frozen, np.zeros((6, 5)).T, np.zeros((5, 6), np.float32), [[0] * 6] * 5)
+        for start in starts:
+            assert solver.solve(attitude, Pi.tolist(), R.T, start).converged
+            assert near.solve(attitude, Pi[::-1], R.T, start).converged
+            many = None if start is None else [start]
+            assert solver.solve_batch([attitude], [Pi], R.T, many).converged.all()
+    assert [len(kernel.signatures) for kernel in kernels] == before

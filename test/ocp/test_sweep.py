@@ -23,12 +23,14 @@ STEP = 1e-30  # complex step: no cancellation, exact to rounding
 class Sweep:
     """One evaluated guess of a random problem, not a stationary one, with its derivatives."""
 
-    def __init__(self, seed, torque_weight=1.0):
+    def __init__(self, seed, torque_weight=1.0, m=3):
         rng = np.random.default_rng(seed)
         ocp, self.attitude, self.momentum = random_problem(rng, 8, (1.0, 4.0))
         w = ocp.weights
-        cheap = replace(w, stage_torque=torque_weight * np.asarray(w.stage_torque))
-        self.ocp = ocp = replace(ocp, weights=cheap)
+        weight = np.asarray(w.stage_torque) if m == 3 else 0.3
+        actuators = None if m == 3 else 0.4 * rng.normal(size=(3, m))
+        cheap = replace(w, stage_torque=torque_weight * weight)
+        self.ocp = ocp = replace(ocp, weights=cheap, actuators=actuators)
         self.reference = random_rotation(rng)
         n = ocp.horizon
         self.guess = rng.normal(size=(n, 3)) * 0.2 * torque_weight
@@ -47,6 +49,10 @@ class Sweep:
     @property
     def torques(self):
         return self.horizon[2]
+
+    @property
+    def controls(self):
+        return self.horizon[4][:, stage.Z_AT :] @ self.ocp.control_axes.T
 
     def factorize(self, rho=0.0):
         R, Pi, _, lam, W = self.horizon
@@ -107,6 +113,34 @@ def test_the_pivot_is_positive_exactly_where_the_hessian_is():
             assert pivot >= smallest * (1.0 - 1e-8)
         definite += smallest > 0.0
     assert 20 <= definite <= 180  # both kinds have been seen
+
+
+@pytest.mark.parametrize("m", [1, 2, 4, 5])
+def test_all_this_holds_for_other_numbers_of_actuators(m):
+    """U has rank m < 3, or the controls are more than the torque's components."""
+    definite, indefinite = 0, 0
+    for seed in range(60):
+        at = Sweep(seed, CHEAP, m)
+        if at.status != 0:  # the body turns too far in a step
+            continue
+        B, u = np.asarray(at.ocp.torque_map), at.controls
+        assert np.abs(u @ B.T - at.torques).max() < 1e-13 * np.abs(u).max()
+        g = at.ocp.gradient(u, *at.state)
+        expected = -2.0 * at.ocp.time_step * at.resid @ B
+        assert np.abs(g - expected).max() < ROUNDING * max(1.0, np.abs(g).max())
+        change, slope = at.torque_change()
+        H = at.ocp.hessian(u, *at.state)
+        pivot = sweep.smallest_pivot(at.ocp.time_step, at.fac)
+        smallest, largest = np.linalg.eigvalsh(H)[[0, -1]]
+        assert (pivot > 0.0) == (smallest > 0.0)
+        definite += smallest > 0.0
+        indefinite += smallest < 0.0
+        if smallest > 1e-8 * largest:
+            du = -np.linalg.solve(H, g.ravel()).reshape(u.shape)
+            noise = 1e-14 * largest / smallest + ROUNDING  # of the dense solve
+            assert np.abs(du @ B.T - change).max() < noise * np.abs(du @ B.T).max()
+            assert slope == pytest.approx(g.ravel() @ du.ravel(), rel=1e-6)
+    assert min(definite, indefinite) >= 5
 
 
 def test_the_direction_at_a_saddle_has_negative_curvature():
