@@ -25,7 +25,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     vee_antisymmetric,
 )
 from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, repeat_last, summarise
-from spacecraft_gnc.ocp._stage_kernels import ALPHA, Z_AT, H
+from spacecraft_gnc.ocp._stage_kernels import ALPHA, Z_AT, H, horizon_cost
 from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, substitute
 
 LAST = 7  # row of ``inputs`` where the last state stands
@@ -83,9 +83,7 @@ def correct(inputs, R, Pi, u, lam, margins, arena, kept):
         store3(trial, k, add(load3(guess, k), load3(step, k)))
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
-    status, cost, norm, pattern = evaluate(
-        body, data, zones, track, trial, R, Pi, u, lam[:N], resid, W
-    )
+    status, norm, pattern = evaluate(body, data, zones, track, trial, R, Pi, u, lam[:N], resid, W)
     if status != 0 or not math.isfinite(norm):
         return False, nan, norm, nan, nan, nan, nan
     zero = (0.0, 0.0, 0.0)
@@ -96,6 +94,7 @@ def correct(inputs, R, Pi, u, lam, margins, arena, kept):
     for i in range(4):
         store3(inputs, LAST + i, load3(inputs, i))
     repeat_last(lam)
+    cost = horizon_cost(data, zones, track, R, Pi, W)
     largest, error, travel = summarise(zones, R_ref, R, W, margins)
     _cut(data, u, W)
     return pattern == kept[1], math.sqrt(dot(left, left)), norm, cost, largest, error, travel

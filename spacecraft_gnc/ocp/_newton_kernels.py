@@ -10,11 +10,9 @@ from __future__ import annotations
 import math
 
 from spacecraft_gnc._kernels import kernel
-from numba import njit
-thin = njit(cache=True, error_model='numpy', inline='always')
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, dot, load3, scale, store3
-from spacecraft_gnc.ocp._stage_kernels import ALPHA, P1, Q1, H
+from spacecraft_gnc.ocp._stage_kernels import ALPHA, P1, Q1, H, horizon_cost
 from spacecraft_gnc.ocp._sweep_kernels import (
     descent_at_saddle,
     evaluate,
@@ -30,31 +28,38 @@ BACKTRACKING, FULL, DAMPED, CHORD = range(4)  # equal to the places in shooting.
 SUFFICIENT_DECREASE = 1e-4
 SMALLEST_STEP = 1e-3  # below it, a Levenberg term bends the step instead of shortening it further
 FIRST_LEVENBERG, LARGEST_LEVENBERG = 1e-3, 1e10
+FAST = 0.1  # fall of the residual in one step that shows Newton at its best
+LOCAL = 0.05  # residual, relative to the multipliers, from which Newton is expected at its best
 CONTRACTION = 0.5  # of the residual in one step, with which a kept Jacobian is still good
 SADDLES = 5  # saddle points that a solve leaves before it gives up
 
 
-@thin
+@kernel
 def _at(problem, horizon, guess, resid):
     body, data, zones, track = problem
     R, Pi, u, lam, W = horizon
     return evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W)
 
 
-@thin
+@kernel
+def _cost(problem, horizon):
+    return horizon_cost(problem[1], problem[2], problem[3], horizon[0], horizon[1], horizon[4])
+
+
+@kernel
 def _linearise(problem, horizon, fac, rho, estimated):
     body, data, zones, track = problem
     R, Pi, _, lam, W = horizon
     return factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated)
 
 
-@thin
+@kernel
 def _move(guess, gamma, step, trial):
     for k in range(guess.shape[0]):
         store3(trial, k, add(load3(guess, k), scale(gamma, load3(step, k))))
 
 
-@thin
+@kernel
 def _newton_step(problem, work, rho):
     resid, step, fac = work[2], work[3], work[4]
     zero = (0.0, 0.0, 0.0)
@@ -71,10 +76,8 @@ def _cost_noise(problem, cost, N):
 
 
 @kernel
-def _is_better(status, new_cost, new_norm, cost, norm, gamma, slope, noise):
+def _is_better(new_cost, new_norm, cost, norm, gamma, slope, noise):
     """Armijo on the cost; near the optimum, where the cost is flat to rounding, on the residual."""
-    if status != CONVERGED:
-        return False
     if new_cost <= cost + SUFFICIENT_DECREASE * gamma * slope:
         return True
     if new_norm <= CONTRACTION * norm and new_cost <= cost + noise:
@@ -83,35 +86,60 @@ def _is_better(status, new_cost, new_norm, cost, norm, gamma, slope, noise):
 
 
 @kernel
-def _searched_step(problem, horizon, work, rho, estimated, cost, norm):
-    """One step that decreases the cost, with ``rho`` raised until there is one.
+def _search(problem, horizon, work, rho, cost, norm, slope):
+    """Shorten the step in ``work`` until it makes progress; returns success, gamma, norm, pattern.
 
-    Returns status, cost, residual, pattern, the rho of the step, and that to go on with.
+    ``cost`` is that of the guess. A full Newton step that brings the residual down tenfold is taken
+    as it is; only otherwise does the cost decide, and where that is not known (NaN), none does.
+    """
+    guess, trial, resid, step, _ = work
+    noise = _cost_noise(problem, cost, guess.shape[0])
+    gamma = 1.0
+    while gamma > SMALLEST_STEP:
+        _move(guess, gamma, step, trial)
+        status, new_norm, pattern = _at(problem, horizon, trial, resid)
+        if status == CONVERGED:
+            if gamma == 1.0 and rho == 0.0 and new_norm <= FAST * norm:
+                return True, gamma, new_norm, pattern
+            if not math.isnan(cost) and _is_better(
+                _cost(problem, horizon), new_norm, cost, norm, gamma, slope, noise
+            ):
+                return True, gamma, new_norm, pattern
+        if math.isnan(cost):
+            break
+        gamma *= 0.5
+    return False, gamma, norm, 0
+
+
+@kernel
+def _searched_step(problem, horizon, work, rho, estimated, norm, local):
+    """One step that makes progress, with ``rho`` raised until there is one.
+
+    ``local``: Newton is expected at its best, and the cost is worked out only if it is not.
+    Returns status, residual, pattern, the rho of the step, that to go on with.
     """
     guess, trial, resid, _, fac = work
-    noise = _cost_noise(problem, cost, guess.shape[0])
+    cost = math.nan if local else _cost(problem, horizon)
     while rho <= LARGEST_LEVENBERG:
         indefinite = _linearise(problem, horizon, fac, rho, estimated)
         slope = _newton_step(problem, work, rho)
         if indefinite < 0 and slope < 0.0:
-            gamma = 1.0
-            while gamma > SMALLEST_STEP:
-                _move(guess, gamma, work[3], trial)
-                status, new_cost, new_norm, pattern = _at(problem, horizon, trial, resid)
-                if _is_better(status, new_cost, new_norm, cost, norm, gamma, slope, noise):
-                    _move(trial, 0.0, trial, guess)
-                    relaxed = 0.1 * rho if rho >= 10.0 * FIRST_LEVENBERG else 0.0
-                    following = relaxed if gamma == 1.0 else rho
-                    return CONVERGED, new_cost, new_norm, pattern, rho, following
-                gamma *= 0.5
+            good, gamma, new_norm, pattern = _search(problem, horizon, work, rho, cost, norm, slope)
+            if good:
+                _move(trial, 0.0, trial, guess)
+                relaxed = 0.1 * rho if rho >= 10.0 * FIRST_LEVENBERG else 0.0
+                return CONVERGED, new_norm, pattern, rho, relaxed if gamma == 1.0 else rho
             _at(problem, horizon, guess, resid)
-        rho = max(8.0 * rho, FIRST_LEVENBERG)
-    return LINE_SEARCH_FAILED, cost, norm, 0, rho, rho
+        if math.isnan(cost):
+            cost = _cost(problem, horizon)  # and once more, with the cost to decide
+        else:
+            rho = max(8.0 * rho, FIRST_LEVENBERG)
+    return LINE_SEARCH_FAILED, norm, 0, rho, rho
 
 
 @kernel
 def _fixed_step(problem, horizon, work, gamma, estimated):
-    """One step of given length, whatever it does; returns status, cost, residual, pattern."""
+    """One step of given length, whatever it does; returns status, residual, pattern."""
     guess, _, resid, step, fac = work
     _linearise(problem, horizon, fac, 0.0, estimated)
     _newton_step(problem, work, 0.0)
@@ -123,64 +151,63 @@ def _fixed_step(problem, horizon, work, gamma, estimated):
 def _chord_step(problem, horizon, work, norm):
     """One step with the kept factorisation; taken back where it does not contract.
 
-    Returns whether it was good, cost, residual, pattern.
+    Returns whether it was good, residual, pattern.
     """
     guess, trial, resid, step, _ = work
     _newton_step(problem, work, 0.0)
     _move(guess, 1.0, step, trial)
-    status, cost, new_norm, pattern = _at(problem, horizon, trial, resid)
+    status, new_norm, pattern = _at(problem, horizon, trial, resid)
     if status == CONVERGED and new_norm <= CONTRACTION * norm:
         _move(trial, 0.0, trial, guess)
-        return True, cost, new_norm, pattern
+        return True, new_norm, pattern
     _at(problem, horizon, guess, resid)
-    return False, cost, norm, pattern
+    return False, norm, pattern
 
 
 @kernel
-def _leave_saddle(problem, horizon, work, stage, cost):
-    """Step along negative curvature until the cost falls.
-
-    Returns status, cost, residual, pattern.
-    """
+def _leave_saddle(problem, horizon, work, stage):
+    """Step along negative curvature until the cost falls; returns status, residual, pattern."""
     body, data, _, _ = problem
     guess, trial, resid, step, fac = work
     h, J = data[H], body_inertia(body)
+    cost = _cost(problem, horizon)
     size = descent_at_saddle(h, fac, stage, step)
     torque = 0.1 * math.sqrt(data[ALPHA]) if data[ALPHA] > 0.0 else 0.01 * J[0] / (h * h)
     gamma = torque / size if size > 0.0 else 0.0
     for _ in range(40):
         _move(guess, gamma, step, trial)
-        status, new_cost, norm, pattern = _at(problem, horizon, trial, resid)
-        if status == CONVERGED and new_cost < cost:
+        status, norm, pattern = _at(problem, horizon, trial, resid)
+        if status == CONVERGED and _cost(problem, horizon) < cost:
             _move(trial, 0.0, trial, guess)
-            return CONVERGED, new_cost, norm, pattern
+            return CONVERGED, norm, pattern
         gamma *= 0.5
-    _, cost, norm, pattern = _at(problem, horizon, guess, resid)
-    return SADDLE, cost, norm, pattern
+    _, norm, pattern = _at(problem, horizon, guess, resid)
+    return SADDLE, norm, pattern
 
 
 @kernel
-def _costate_scale(lam):
+def _costate_size(lam):
     largest = 0.0
     for k in range(lam.shape[0]):
         l2 = load3(lam, k, 3)
         largest = max(largest, dot(l2, l2))
-    return 1.0 + math.sqrt(largest)
+    return math.sqrt(largest)
 
 
 @kernel
 def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, max_steps):
-    """Iterate from the guess in ``work``; returns status, steps, residual, cost, curvature."""
+    """Iterate from the guess in ``work``; returns status, steps, residual, curvature."""
     h, fac = problem[1][H], work[4]
-    status, cost, norm, pattern = _at(problem, horizon, work[0], work[2])
+    status, norm, pattern = _at(problem, horizon, work[0], work[2])
     if status != CONVERGED:
-        return status, 0, math.inf, math.inf, math.nan
+        return status, 0, math.inf, math.nan
+    local = norm <= LOCAL * _costate_size(horizon[3])
     rho, saddles, steps = 0.0, 0, 0
     certifying = False  # a factorisation that the chord kept from an earlier solve does not
     while True:
         if not math.isfinite(norm):
-            return NOT_FINITE, steps, norm, math.inf, math.nan
-        if norm <= tolerance * _costate_scale(horizon[3]):
+            return NOT_FINITE, steps, norm, math.nan
+        if norm <= tolerance * (1.0 + _costate_size(horizon[3])):
             # This solve's last linearisation certifies, unless other limits act since.
             stage = -1
             if kept[0] == 0 or kept[1] != pattern or not certifying:
@@ -188,31 +215,33 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
                 kept[0], kept[1] = 1, pattern
             pivot = smallest_pivot(h, fac)
             if pivot > 0.0:
-                return CONVERGED, steps, norm, cost, pivot
+                return CONVERGED, steps, norm, pivot
             kept[0] = 0
             if stage < 0 or rule != BACKTRACKING or saddles == SADDLES or steps >= max_steps:
-                return SADDLE, steps, norm, cost, pivot
+                return SADDLE, steps, norm, pivot
             saddles += 1
-            status, cost, norm, pattern = _leave_saddle(problem, horizon, work, stage, cost)
+            local = False
+            status, norm, pattern = _leave_saddle(problem, horizon, work, stage)
             if status != CONVERGED:
-                return SADDLE, steps, norm, cost, pivot
+                return SADDLE, steps, norm, pivot
         if steps >= max_steps:
-            return MAX_ITERATIONS, steps, norm, cost, math.nan
+            return MAX_ITERATIONS, steps, norm, math.nan
         steps += 1
         if rule == CHORD and kept[0] == 1:
-            good, new_cost, norm, new_pattern = _chord_step(problem, horizon, work, norm)
+            good, norm, new_pattern = _chord_step(problem, horizon, work, norm)
             if good:
-                cost, pattern = new_cost, new_pattern
+                pattern = new_pattern
                 continue
-        before, used = pattern, 0.0
+        before, last_norm, used = pattern, norm, 0.0
         if rule in (FULL, DAMPED):
             gamma = damping if rule == DAMPED else 1.0
-            status, cost, norm, pattern = _fixed_step(problem, horizon, work, gamma, estimated)
+            status, norm, pattern = _fixed_step(problem, horizon, work, gamma, estimated)
         else:
-            status, cost, norm, pattern, used, rho = _searched_step(
-                problem, horizon, work, rho, estimated, cost, norm
+            status, norm, pattern, used, rho = _searched_step(
+                problem, horizon, work, rho, estimated, norm, local
             )
+        local = norm <= FAST * last_norm
         kept[0], kept[1] = 1 if used == 0.0 and not estimated else 0, before
         certifying = True
         if status != CONVERGED:
-            return status, steps, norm, cost, math.nan
+            return status, steps, norm, math.nan

@@ -146,14 +146,11 @@ def _shoot(problem, horizon, fac, T, E, kept, warm, options):
     status, steps, norm = newton_shooting(
         problem, horizon, T, E, kept, rule, damping, estimated, tolerance, max_steps
     )
-    if not math.isfinite(norm):
-        return status, steps, norm, math.inf, math.nan
-    cost = horizon_cost(data, zones, track, R, Pi, W)
     if status != CONVERGED:
-        return status, steps, norm, cost, math.nan
+        return status, steps, norm, math.nan
     factorize(body, data, zones, track, R, Pi, lam, W, fac, 0.0, False)
     pivot = smallest_pivot(data[0], fac)
-    return (CONVERGED if pivot > 0.0 else SADDLE), steps, norm, cost, pivot
+    return (CONVERGED if pivot > 0.0 else SADDLE), steps, norm, pivot
 
 
 @kernel
@@ -184,11 +181,11 @@ def solve(
         kept[0], kept[2] = 0, 0
     if single:
         options = (rule, damping, estimated, tolerance, max_steps)
-        status, steps, norm, cost, pivot = _shoot(
+        status, steps, norm, pivot = _shoot(
             problem, horizon, work[4], T, E, kept[2:], warm, options
         )
     else:
-        status, steps, norm, cost, pivot = _sweep(
+        status, steps, norm, pivot = _sweep(
             problem, horizon, work, kept[:2], warm, rule, damping, estimated, tolerance, max_steps
         )
     if status != CONVERGED:
@@ -196,6 +193,7 @@ def solve(
     if not math.isfinite(norm):
         return status, steps, norm, nan, nan, nan, nan, nan
     repeat_last(lam)
+    cost = horizon_cost(problem[1], problem[2], problem[3], R, Pi, W)
     largest, error, travel = summarise(problem[2], R_ref, R, W, margins)
     return status, steps, norm, cost, pivot, largest, error, travel
 

@@ -63,8 +63,6 @@ from spacecraft_gnc.ocp._stage_kernels import (
     costate_curvature,
     data9,
     momentum_map,
-    stage_cost,
-    terminal_cost,
 )
 
 SOLVED, UNSOLVABLE_STEP = 0, 3  # equal to ocp.Status
@@ -105,21 +103,20 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
 
 @kernel
 def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
-    """Fill one horizon from ``guess``; returns status, cost, |resid|, pattern of active limits."""
+    """Fill one horizon from ``guess``; returns status, |resid|, pattern of active limits."""
     N = u.shape[0]
-    h, Jd, R_ref = data[H], body_nonstandard_inertia(body), load9(track, 2)
+    h, Jd = data[H], body_nonstandard_inertia(body)
     R_k, Pi_k = load9(R, 0), load3(Pi, 0)
-    cost, pattern, total = 0.0, 0, 0.0
+    pattern, total = 0, 0.0
     for k in range(N):
         q0, q, ok = relative_quaternion(body, h, Pi_k)
         if not ok:
-            return UNSOLVABLE_STEP, math.inf, math.inf, 0
+            return UNSOLVABLE_STEP, math.inf, 0
         p = rotate_back(q0, q, Pi_k)
         store_stage(h, Jd, W, k, q0, q, p)
         u_k, sigma = control(data, load3(guess, k), W, k)
         W[k, SIGMA_AT] = sigma
         pattern = 2 * pattern + (1 if sigma > 0.0 else 0)
-        cost += stage_cost(data, zones, R_ref, R_k, Pi_k, W, k)
         store3(u, k, u_k)
         R_k = rotate_rows(q0, q, R_k)
         Pi_k = add(p, scale(h, u_k))
@@ -130,7 +127,7 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
         r = sub(load3(lam, k, 3), load3(guess, k))
         store3(resid, k, r)
         total += dot(r, r)
-    return SOLVED, cost + terminal_cost(data, track, R_k, Pi_k), math.sqrt(total), pattern
+    return SOLVED, math.sqrt(total), pattern
 
 
 @kernel
