@@ -29,7 +29,7 @@ SUFFICIENT_DECREASE = 1e-4
 SMALLEST_STEP = 1e-3  # below it, a Levenberg term bends the step instead of shortening it further
 FIRST_LEVENBERG, LARGEST_LEVENBERG = 1e-3, 1e10
 FAST = 0.1  # fall of the residual in one step that shows Newton at its best
-LOCAL = 0.05  # residual, relative to the multipliers, from which Newton is expected at its best
+LOCAL = 2.0  # residual, relative to the multipliers, from which Newton is expected at its best
 CONTRACTION = 0.5  # of the residual in one step, with which a kept Jacobian is still good
 SADDLES = 5  # saddle points that a solve leaves before it gives up
 

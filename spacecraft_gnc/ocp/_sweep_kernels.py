@@ -250,15 +250,29 @@ def pivot_inverse(h, fac, k):
 
 @kernel
 def smallest_pivot(h, fac):
-    """Smallest eigenvalue of all pivots; positive exactly where the reduced Hessian is definite."""
+    """Smallest eigenvalue of all pivots; positive exactly where the reduced Hessian is definite.
+
+    The last stage, whose pivot is the smallest as a rule, comes first: the others then need a bound
+    on their largest row only.
+    """
     smallest = math.inf
-    for k in range(fac.shape[0]):
-        lowest, highest = extreme_eigenvalues(pivot_inverse(h, fac, k))
+    for k in range(fac.shape[0] - 1, -1, -1):
+        Q = pivot_inverse(h, fac, k)
+        row = max(
+            abs(Q[0]) + abs(Q[1]) + abs(Q[2]),
+            abs(Q[3]) + abs(Q[4]) + abs(Q[5]),
+            abs(Q[6]) + abs(Q[7]) + abs(Q[8]),
+        )
+        if Q[0] > 0.0 and row * smallest <= 1.0 and _is_definite(Q, inverse(Q)[1]):
+            continue
+        lowest, highest = extreme_eigenvalues(Q)
         if not math.isfinite(lowest):
             return math.nan
-        # S gives the sign: an inverse near zero, as of what no actuator moves, has either.
-        S_inverse = load9_flat(fac, k, SI_AT)
-        definite = _is_definite(S_inverse, inverse(S_inverse)[1])
+        definite = lowest > 0.0
+        if not definite:
+            # S gives the sign: an inverse near zero, as of what no actuator moves, has either.
+            S_inverse = load9_flat(fac, k, SI_AT)
+            definite = _is_definite(S_inverse, inverse(S_inverse)[1])
         smallest = min(smallest, 1.0 / highest if definite else -abs(1.0 / lowest))
     return smallest
 

@@ -24,7 +24,7 @@ import numpy as np
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._neighboring_kernels import LAST, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
-from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver
+from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver, horizon_shapes
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.types import Array, ArrayLike, require_positive
 
@@ -88,7 +88,7 @@ class NeighboringExtremal:
             )
         scale = ocp.max_torque if ocp.max_torque > 0.0 else 1.0
         self._largest_error = self.neighboring.tolerance * scale
-        self._n = ocp.horizon
+        self._shapes = horizon_shapes(ocp.horizon)
         self._work = self.solver.work
         self._rows = np.empty((11, 3))
         self.reset()
@@ -147,13 +147,12 @@ class NeighboringExtremal:
         started = perf_counter()
         if reference is not None and np.asarray(reference).tobytes() != self._target_bytes:
             return None
-        n, rows = self._n, self._rows
+        rows = self._rows
         try:
             rows[:3], rows[3] = attitude, momentum
         except (ValueError, TypeError, IndexError):
             return None  # the exact solve says what is wrong
-        R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
-        u, lam = np.empty((n, 3)), np.empty((n + 1, 6))
+        R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(len(self.ocp.zones)) if self.ocp.zones else NO_MARGINS
         same, error, norm, cost, largest, off, travel = correct(
             rows, R, Pi, u, lam, margins, *self._work
@@ -164,7 +163,7 @@ class NeighboringExtremal:
         self.corrected += 1
         self.predicted_error = error
         limit = self.ocp.max_torque
-        margin = limit - largest**0.5 if limit > 0.0 else float("inf")
+        margin = limit - largest**0.5 if limit > 0.0 else math.inf
         return Solution(
             u, R, Pi, lam, cost, Status.CONVERGED, 0, norm, perf_counter() - started, margin,
             self._target, self.ocp, FORMULATION, self._curvature, margins, off, travel,

@@ -24,6 +24,7 @@ multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherza
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
@@ -103,6 +104,11 @@ def _require_word(name: str, word: str, words: tuple[str, ...]) -> None:
         )
 
 
+def horizon_shapes(n: int) -> tuple[tuple[int, ...], ...]:
+    """Return the shapes of attitudes, momenta, torques and multipliers over n steps."""
+    return (n + 1, 3, 3), (n + 1, 3), (n, 3), (n + 1, 6)
+
+
 class ShootingSolver:
     """Solve an `AttitudeOcp` by Newton's method on its first-order conditions.
 
@@ -140,6 +146,7 @@ class ShootingSolver:
         n = ocp.horizon
         self._n = n
         self._n_zones = len(ocp.zones)
+        self._shapes = horizon_shapes(n)
         arena = make_arena(ocp.body.packed, ocp.data, ocp.zone_rows, n)
         self.work = (arena, np.zeros(4, np.int64))
         self._settings = (
@@ -197,8 +204,7 @@ class ShootingSolver:
                 self._refuse_warm_start(warm_start)
             guess = self._warm  # a copy, for the same reason
             guess[:] = warm_start
-        R, Pi = np.empty((n + 1, 3, 3)), np.empty((n + 1, 3))
-        u, lam = np.empty((n, 3)), np.empty((n + 1, 6))
+        R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
         code, steps, residual, cost, curvature, largest, error, travel = solve(
             x, guess, R, Pi, u, lam, margins, *self.work, *self._settings
@@ -216,7 +222,7 @@ class ShootingSolver:
             steps,
             residual,
             perf_counter() - started,
-            limit - largest**0.5 if limit > 0.0 else float("inf"),
+            limit - largest**0.5 if limit > 0.0 else math.inf,
             x[4:].copy(),
             self.ocp,
             self.formulation,
