@@ -126,8 +126,8 @@ def reduced_hessian(body, data, zones, track, R, Pi, lam, W, states, hessian):
     h, mu0 = data[H], data[MU0]
     Jd = body_nonstandard_inertia(body)
     S2, SP = data9(data, S_Q2), data9(data, S_P2)
-    bend = mat_scale(-0.5, trace_minus(mat_t_mat(load9(R, N), load9(track, 1))))
-    B = load9(track, 0)
+    bend = mat_scale(-0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, 9))))
+    B = data9(track, 0)
     for column in range(m * N):
         k0, i0 = column // m, column % m
         _deviation(W, k0, scale(h, _row(data, i0)), states)

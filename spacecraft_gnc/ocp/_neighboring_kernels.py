@@ -72,7 +72,7 @@ def correct(inputs, R, Pi, u, lam, margins, arena, kept):
     nan = math.nan
     N = u.shape[0]
     R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
-    problem, W, work, _, _ = carve(arena, N, margins.shape[0])
+    problem, W, work, _ = carve(arena, N, margins.shape[0])
     body, data, zones, track = problem
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):

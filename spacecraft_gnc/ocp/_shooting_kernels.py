@@ -1,7 +1,7 @@
 """Kernels of indirect single shooting on the conditions (31)-(45) of Gupta 2015; see `shooting`.
 
 Arrays of one horizon: R (N+1,3,3), Pi (N+1,3), u (N,3) torques, lam (N,6) = (lam1, lam2), and the
-stages' work W of `_stage_kernels`. ``track`` (3,3,3) holds Q1 R_ref, P1 R_ref, R_ref.
+stages' work W of `_stage_kernels`. ``track`` (27,) holds Q1 R_ref, P1 R_ref, R_ref.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
     h = data[H]
     Jd = body_nonstandard_inertia(body)
     S2 = data9(data, S_Q2)
-    B = load9(track, 0)
+    B = data9(track, 0)
     R_k, Pi_k = load9(R, 0), load3(Pi, 0)
     l1, l2 = load3(lam, 0), load3(lam, 0, 3)
     zero = (0.0, 0.0, 0.0)
@@ -102,7 +102,7 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
         Pi_k = add(p, scale(h, u_k))
         store9(R, k + 1, R_k)
         store3(Pi, k + 1, Pi_k)
-    E1 = sub(l1, vee_antisymmetric(mat_t_mat(R_k, load9(track, 1))))
+    E1 = sub(l1, vee_antisymmetric(mat_t_mat(R_k, data9(track, 9))))
     E2 = add(l2, mat_vec(data9(data, S_P2), Pi_k))
     return CONVERGED, E1, E2
 
@@ -131,7 +131,7 @@ def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimate
         l1, l2 = load3(lam, k), load3(lam, k, 3)
         A = load9_flat(W, k, A_AT)
         C_inverse, _ = inverse(transpose(A))
-        G = attitude_hessian(h, load9(track, 0), zones, load9(R, k))
+        G = attitude_hessian(h, data9(track, 0), zones, load9(R, k))
         D = hat_mat(l1, M)
         Z = costate_curvature(h, S2, Jd, F, M, A, l1, l2, p)
         hU = mat_scale(h, control_sensitivity(data, W, k, estimated))
@@ -146,7 +146,7 @@ def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimate
             store3(T, j, d_Pi, 3)
             store3(T, j, d_l1, 6)
             store3(T, j, d_l2, 9)
-    bend = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), load9(track, 1))))
+    bend = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, 9))))
     SP = data9(data, S_P2)
     for j in range(6):
         e1 = add(load3(T, j, 6), mat_vec(bend, load3(T, j)))

@@ -108,13 +108,13 @@ def repeat_last(lam):
 
 @kernel
 def carve(arena, N, n_zones):
-    """Cut the arena into (body, data, zones, track), W, (guess, trial, resid, step, fac), T, E."""
+    """Cut the arena into (body, data, zones, track), W, (guess, trial, resid, step, fac), rest."""
     m = int(arena[BODY_SIZE + M_U])
     a = BODY_SIZE + D_U + 4 * m
     body, data = arena[:BODY_SIZE], arena[BODY_SIZE:a]
     b = a + ZONE_SIZE * n_zones
     zones = arena[a:b].reshape((n_zones, ZONE_SIZE))
-    problem = (body, data, zones, arena[b : b + _TRACK].reshape((3, 3, 3)))
+    problem = (body, data, zones, arena[b : b + _TRACK])
     a, b = b + _TRACK, b + _TRACK + N * (Z_AT + m)
     W, n = arena[a:b].reshape((N, Z_AT + m)), 3 * N
     guess, trial = arena[b : b + n].reshape((N, 3)), arena[b + n : b + 2 * n].reshape((N, 3))
@@ -122,9 +122,7 @@ def carve(arena, N, n_zones):
     resid, step = arena[b : b + n].reshape((N, 3)), arena[b + n : b + 2 * n].reshape((N, 3))
     b += 2 * n
     fac = arena[b : b + FACTOR_SIZE * N].reshape((N, FACTOR_SIZE))
-    b += FACTOR_SIZE * N
-    T, E = arena[b : b + 72].reshape((6, 12)), arena[b + 72 : b + 108].reshape((6, 6))
-    return problem, W, (guess, trial, resid, step, fac), T, E
+    return problem, W, (guess, trial, resid, step, fac), arena[b + FACTOR_SIZE * N :]
 
 
 @kernel
@@ -136,11 +134,12 @@ def _sweep(problem, horizon, work, kept, warm, rule, damping, estimated, toleran
 
 
 @kernel
-def _shoot(problem, horizon, fac, T, E, kept, warm, options):
+def _shoot(problem, horizon, fac, rest, kept, warm, options):
     """Solve by single shooting from row 0 of ``warm``; the sweep certifies what it finds."""
     body, data, zones, track = problem
     R, Pi, _, lam, W = horizon
     rule, damping, estimated, tolerance, max_steps = options
+    T, E = rest[:72].reshape((6, 12)), rest[72:_SINGLE].reshape((6, 6))
     store3(lam, 0, load3(warm, 0))
     store3(lam, 0, load3(warm, 0, 3), 3)
     status, steps, norm = newton_shooting(
@@ -172,7 +171,7 @@ def solve(
         return BAD_STATE, 0, nan, nan, nan, nan, nan, nan
     if not is_rotation(R_ref):
         return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
-    problem, W, work, T, E = carve(arena, N, margins.shape[0])
+    problem, W, work, rest = carve(arena, N, margins.shape[0])
     set_track(problem[1], R_ref, problem[3])
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
@@ -182,7 +181,7 @@ def solve(
     if single:
         options = (rule, damping, estimated, tolerance, max_steps)
         status, steps, norm, pivot = _shoot(
-            problem, horizon, work[4], T, E, kept[2:], warm, options
+            problem, horizon, work[4], rest, kept[2:], warm, options
         )
     else:
         status, steps, norm, pivot = _sweep(

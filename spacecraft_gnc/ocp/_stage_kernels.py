@@ -27,7 +27,6 @@ from spacecraft_gnc.lie._mat3_kernels import (
     mat_vec,
     outer,
     scale,
-    store9,
     sub,
     trace_minus,
     vee_antisymmetric,
@@ -213,10 +212,10 @@ def momentum_map(h, Jd, F):
 
 @kernel
 def set_track(data, R_ref, track):
-    """Fill ``track`` (3,3,3) with Q1 R_ref, P1 R_ref and R_ref: (27), (28) measured from R_ref."""
-    store9(track, 0, mat_mat(data9(data, Q1), R_ref))
-    store9(track, 1, mat_mat(data9(data, P1), R_ref))
-    store9(track, 2, R_ref)
+    """Fill ``track`` (27,) with Q1 R_ref, P1 R_ref and R_ref: (27), (28) measured from R_ref."""
+    stage, terminal = mat_mat(data9(data, Q1), R_ref), mat_mat(data9(data, P1), R_ref)
+    for i in range(9):
+        track[i], track[9 + i], track[18 + i] = stage[i], terminal[i], R_ref[i]
 
 
 @kernel
@@ -253,7 +252,7 @@ def stage_cost(data, zones, R_ref, R_k, Pi_k, W, k):
 @kernel
 def terminal_cost(data, track, R_N, Pi_N):
     """Terminal cost (28)."""
-    attitude = attitude_cost(data9(data, P1), load9(track, 2), R_N)
+    attitude = attitude_cost(data9(data, P1), data9(track, 18), R_N)
     return attitude + quadratic(data9(data, S_P2), Pi_N)
 
 
@@ -261,7 +260,7 @@ def terminal_cost(data, track, R_N, Pi_N):
 def horizon_cost(data, zones, track, R, Pi, W):
     """Cost (27) + (28) + penalties of a propagated horizon."""
     N = W.shape[0]
-    R_ref = load9(track, 2)
+    R_ref = data9(track, 18)
     total = terminal_cost(data, track, load9(R, N), load3(Pi, N))
     for k in range(N):
         total += stage_cost(data, zones, R_ref, load9(R, k), load3(Pi, k), W, k)

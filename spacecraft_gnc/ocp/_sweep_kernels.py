@@ -84,8 +84,8 @@ def store_stage(h, Jd, W, k, q0, q, p):
 def sweep_costates(data, zones, track, R, Pi, lam, W):
     """Sweep (34)-(37) backward over a rollout into lam (N, 6); returns the pattern of zones."""
     N = W.shape[0]
-    h, S2, B = data[H], data9(data, S_Q2), load9(track, 0)
-    l1 = vee_antisymmetric(mat_t_mat(load9(R, N), load9(track, 1)))
+    h, S2, B = data[H], data9(data, S_Q2), data9(track, 0)
+    l1 = vee_antisymmetric(mat_t_mat(load9(R, N), data9(track, 9)))
     l2 = scale(-1.0, mat_vec(data9(data, S_P2), load3(Pi, N)))
     pattern = 0
     for k in range(N - 1, -1, -1):
@@ -147,8 +147,8 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
     ``rho`` >= 0 is Levenberg's term: U becomes U (I + rho U)^-1.
     """
     h, Jd = data[H], body_nonstandard_inertia(body)
-    S2, B, N = data9(data, S_Q2), load9(track, 0), W.shape[0]
-    V11 = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), load9(track, 1))))
+    S2, B, N = data9(data, S_Q2), data9(track, 0), W.shape[0]
+    V11 = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, 9))))
     V12 = V21 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     V22 = data9(data, S_P2)
     indefinite = -1

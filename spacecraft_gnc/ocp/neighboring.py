@@ -29,6 +29,7 @@ from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.types import Array, ArrayLike, require_positive
 
 FORMULATION = "neighboring_extremal"
+CONVERGED = Status.CONVERGED
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,14 +89,15 @@ class NeighboringExtremal:
             )
         scale = ocp.max_torque if ocp.max_torque > 0.0 else 1.0
         self._largest_error = self.neighboring.tolerance * scale
-        self._shapes = horizon_shapes(ocp.horizon)
+        self._shapes, self._n_zones = horizon_shapes(ocp.horizon), len(ocp.zones)
+        self._max_age, self._limit = self.neighboring.max_age, ocp.max_torque
         self._work = self.solver.work
         self._rows = np.empty((11, 3))
         self.reset()
 
     def reset(self) -> None:
         """Forget the last optimum and the counts."""
-        self._age = self.neighboring.max_age
+        self._age = self._max_age
         self._curvature = math.nan
         self._target, self._target_bytes = np.eye(3), b""
         self.corrected = self.solved = 0
@@ -119,7 +121,7 @@ class NeighboringExtremal:
         ``residual`` is what it leaves of the first-order conditions; ``min_curvature`` is that of
         the exact solve whose factorisation it uses.
         """
-        if self._age < self.neighboring.max_age:
+        if self._age < self._max_age:
             corrected = self._correct(attitude, momentum, reference)
             if corrected is not None:
                 return corrected
@@ -127,7 +129,7 @@ class NeighboringExtremal:
         self.solved += 1
         self.predicted_error = 0.0
         usable = solution.converged and self.solver.kept[0] == 1
-        self._age = 0 if usable else self.neighboring.max_age
+        self._age = 0 if usable else self._max_age
         self._curvature = solution.min_curvature
         self._target, self._target_bytes = solution.reference, solution.reference.tobytes()
         rows = self._rows
@@ -153,7 +155,7 @@ class NeighboringExtremal:
         except (ValueError, TypeError, IndexError):
             return None  # the exact solve says what is wrong
         R, Pi, u, lam = map(np.empty, self._shapes)
-        margins = np.empty(len(self.ocp.zones)) if self.ocp.zones else NO_MARGINS
+        margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
         same, error, norm, cost, largest, off, travel = correct(
             rows, R, Pi, u, lam, margins, *self._work
         )
@@ -162,9 +164,9 @@ class NeighboringExtremal:
         self._age += 1
         self.corrected += 1
         self.predicted_error = error
-        limit = self.ocp.max_torque
+        limit = self._limit
         margin = limit - largest**0.5 if limit > 0.0 else math.inf
         return Solution(
-            u, R, Pi, lam, cost, Status.CONVERGED, 0, norm, perf_counter() - started, margin,
+            u, R, Pi, lam, cost, CONVERGED, 0, norm, perf_counter() - started, margin,
             self._target, self.ocp, FORMULATION, self._curvature, margins, off, travel,
         )  # fmt: skip

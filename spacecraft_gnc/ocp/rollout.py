@@ -78,7 +78,8 @@ class Horizon:
 
 
 def track_of(ocp: AttitudeOcp, reference: ArrayLike) -> Array:
-    """Return Q1 R_ref, P1 R_ref and R_ref (3, 3, 3), as the kernels want the reference."""
+    """Return Q1 R_ref, P1 R_ref and R_ref (27,), as the kernels want the reference."""
     rotation: Matrix3 = as_rotation("reference", reference)
     q1, p1 = ocp.weights.stage_attitude, ocp.weights.terminal_attitude
-    return np.stack([np.asarray(q1) @ rotation, np.asarray(p1) @ rotation, rotation])
+    parts = (np.asarray(q1) @ rotation, np.asarray(p1) @ rotation, rotation)
+    return np.concatenate([part.ravel() for part in parts])
