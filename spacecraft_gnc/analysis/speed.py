@@ -11,13 +11,18 @@ import platform
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
+from spacecraft_gnc.loop.controllers import problem_of
+from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.types import Array
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
 
 _MARCH = 200_000  # integrator steps in one timed call
 
@@ -77,6 +82,30 @@ def time_integrator(inertia: Array, time_step: float, repeats: int = 20) -> dict
     march = time_calls(lambda: body.step(attitude, momentum, zero, _MARCH), repeats) / _MARCH
     single = time_calls(lambda: body.step(attitude, momentum, torque), 200 * repeats)
     return {"kernel": quantiles(march), "call": quantiles(single)}
+
+
+def time_kernel(scenario: Scenario, repeats: int = 20) -> dict[str, float | int]:
+    """Time the warm solves of a scenario's flight inside compiled code, one call for them all.
+
+    Each repeat gives the mean time of a solve; every solve starts from the multipliers that it had
+    in the flight.
+    """
+    ocp, plant = problem_of(scenario), scenario.build_plant()
+    solver, warm = ShootingSolver(ocp), np.zeros((ocp.horizon, 6))
+    state, states, starts = plant.state, [], []
+    for _ in range(plant.n_steps):
+        solution = solver.solve(state.attitude, state.momentum, warm_start=warm)
+        states.append(state)
+        starts.append(warm)
+        warm = solution.multipliers[1:]
+        state = plant.step(solution.torques[0])
+    attitudes = np.array([s.attitude for s in states[1:]])
+    momenta = np.array([s.momentum for s in states[1:]])
+    times = [
+        solver.solve_batch(attitudes, momenta, warm_starts=np.array(starts[1:])).solve_time
+        for _ in range(repeats + 1)
+    ]
+    return quantiles(np.array(times[1:]) / len(momenta))
 
 
 def time_flight(loop: ClosedLoop, repeats: int = 20) -> dict[str, Any]:

@@ -39,7 +39,12 @@ def bench(
     scenario = load(path)
     figures: dict[str, Any] = {"machine": speed.machine()}
     figures["integrator"] = speed.time_integrator(scenario.plant.inertia, scenario.plant.time_step)
+    figures["solve_kernel"] = speed.time_kernel(scenario)
     figures["loop"] = speed.time_flight(scenario.build())
+    case_2 = load(shipped("gupta2015_case2_offplane"))
+    figures["loop_case_2"] = speed.time_flight(case_2.build())
+    neighboring = load(path, ["nmpc_controller.method=neighboring_extremal"])
+    figures["loop_neighboring"] = speed.time_flight(neighboring.build())
     for name, options in _GRAPHS.items() if graph else ():
         figures[name] = _time_graph(path, options)
     _print(figures)
@@ -85,8 +90,11 @@ def _print(figures: dict[str, Any]) -> None:
     rows = [
         ("LGVI step, kernel", _times(figures["integrator"]["kernel"], 1e9, "ns")),
         ("LGVI step, from Python", _times(figures["integrator"]["call"], 1e6, "us")),
+        ("warm solve, kernel", _times(figures["solve_kernel"], 1e6, "us")),
         ("warm solve, from Python", _times(figures["loop"]["solve"], 1e6, "us")),
+        ("neighbouring extremals", _times(figures["loop_neighboring"]["solve"], 1e6, "us")),
         ("Case I without ROS", _times(figures["loop"]["flight"], 1e3, "ms")),
+        ("Case II without ROS", _times(figures["loop_case_2"]["flight"], 1e3, "ms")),
     ]
     flown = {name: figures[name]["steps_per_second"] for name in _GRAPHS if name in figures}
     rows += [(name.replace("_", ", "), f"{rate:.0f} steps/s") for name, rate in flown.items()]
