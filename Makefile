@@ -99,7 +99,7 @@ $(STAMPS)/package: package.xml setup.py setup.cfg pyproject.toml resource/spacec
 
 # Numba notices a changed file, but not that a kernel calls one from a changed file: start afresh.
 $(STAMPS)/kernels: $(KERNELS) $(STAMPS)/dependencies | $(STAMPS)/package
-	@echo "== compiling the kernels (about twenty seconds)"
+	@echo "== compiling the kernels (about a minute)"
 	@find spacecraft_gnc -name '*.nb[ci]' -delete
 	@$(BIN)/gnc warmup
 	@touch $@
