@@ -18,7 +18,8 @@ from numba import njit
 from spacecraft_gnc import lie
 from spacecraft_gnc.ocp import AttitudeOcp, ShootingOptions, ShootingSolver, Status, Weights
 from spacecraft_gnc.ocp._solve_kernels import summarise
-from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE, smallest_pivot
+from spacecraft_gnc.ocp._sweep_kernels import smallest_pivot
+from spacecraft_gnc.ocp.linearization import factorization
 
 HORIZONS = (1, 2, 5, 10, 20, 40, 60, 80, 100)
 START = lie.exp(np.array([0.25, 0.5, 0.5]))
@@ -79,7 +80,7 @@ def certificates() -> tuple[float, float]:
     ocp = problem(5)
     solver = ShootingSolver(ocp)
     solution = solver.solve(START, np.zeros(3))
-    fac = np.random.default_rng(0).normal(size=(5, FACTOR_SIZE)) * 0.1 + 1.0
+    fac = factorization(solution)
     work = np.zeros((5, 34))
     identity = tuple(np.eye(3).ravel())
     arguments = (0.4, fac, ocp.zone_rows, identity, solution.attitudes, work, np.empty(0))

@@ -39,8 +39,8 @@ class Linearization(NamedTuple):
         return np.asarray(jacobian)
 
 
-def linearize(solution: Solution) -> Linearization:
-    """Return the gains along a converged solution, from one sweep at the solution itself."""
+def factorization(solution: Solution) -> Array:
+    """Return the rows of ``fac`` (`_sweep_kernels`) of one sweep at a converged solution."""
     ocp, n = solution.ocp, len(solution.torques)
     R, Pi = solution.attitudes.copy(), solution.momenta.copy()
     u, lam, resid = np.empty((n, 3)), np.empty((n, 6)), np.empty((n, 3))
@@ -51,6 +51,13 @@ def linearize(solution: Solution) -> Linearization:
     guess = np.ascontiguousarray(solution.costates[:, 3:])
     _sweep_kernels.evaluate(*problem, guess, R, Pi, u, lam, resid, W)
     _sweep_kernels.factorize(*problem, R, Pi, lam, W, fac, 0.0, False)
+    return fac
+
+
+def linearize(solution: Solution) -> Linearization:
+    """Return the gains along a converged solution, from one sweep at the solution itself."""
+    ocp, n = solution.ocp, len(solution.torques)
+    fac = factorization(solution)
 
     def block(at: int) -> Array:
         return np.asarray(fac[:, at : at + 9].reshape(n, 3, 3))
