@@ -61,7 +61,12 @@ setup(
         ],
         # Another package adds a vehicle, a method or a governor by the same three groups.
         f"{NAME}.plants": [f"rigid_body = {NAME}.loop.plants:RigidBodyPlant"],
-        f"{NAME}.controllers": [f"shooting = {NAME}.loop.controllers:ShootingController"],
+        f"{NAME}.controllers": [
+            f"shooting = {NAME}.loop.controllers:ShootingController",
+            f"neighboring_extremal = {NAME}.loop.neighboring:NeighboringExtremalController",
+            f"slsqp = {NAME}.loop.controllers:SlsqpController",
+            f"fsolve = {NAME}.loop.controllers:FsolveController",
+        ],
         f"{NAME}.governors": [f"none = {NAME}.governors.pass_through:PassThroughGovernor"],
     },
 )
