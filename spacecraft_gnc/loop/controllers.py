@@ -159,6 +159,15 @@ class OnlineNeighboringController(SolverController):
         super().__init__(solver, monitor, continuation)
         self._sequence = solver
 
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> OnlineNeighboringController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        c, ocp = scenario.controller, problem_of(scenario)
+        sequence = NeighboringExtremal(
+            ocp, NeighboringOptions(c.ne_tolerance, c.ne_max_age), options_of(scenario)
+        )
+        return cls(sequence, monitor_of(scenario, ocp), continuation_of(scenario, ocp))
+
     def reset(self) -> None:
         """Forget warm start, plan and the last optimum."""
         super().reset()
@@ -189,17 +198,6 @@ class FsolveController(SolverController):
         """Build the controller of a scenario's section ``nmpc_controller``."""
         ocp = problem_of(scenario)
         return cls(FsolveSolver(ocp), monitor_of(scenario, ocp))
-
-
-def online_neighboring(scenario: Scenario) -> OnlineNeighboringController:
-    """Build the on-line controller of a scenario's section ``nmpc_controller``."""
-    c, ocp = scenario.controller, problem_of(scenario)
-    sequence = NeighboringExtremal(
-        ocp, NeighboringOptions(c.ne_tolerance, c.ne_max_age), options_of(scenario)
-    )
-    return OnlineNeighboringController(
-        sequence, monitor_of(scenario, ocp), continuation_of(scenario, ocp)
-    )
 
 
 def options_of(scenario: Scenario) -> ShootingOptions:

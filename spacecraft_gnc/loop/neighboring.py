@@ -12,7 +12,6 @@ from spacecraft_gnc.loop.controllers import (
     OnlineNeighboringController,
     ShootingController,
     monitor_of,
-    online_neighboring,
     options_of,
     problem_of,
 )
@@ -60,6 +59,15 @@ class NominalRunController:
         self._run: NominalRun | None = None
         self._run_reference = np.empty(0)
 
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> NominalRunController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        c, ocp, options = scenario.controller, problem_of(scenario), options_of(scenario)
+        exact = ShootingController(ShootingSolver(ocp, options=options), monitor_of(scenario, ocp))
+        solver = ShootingSolver(ocp, options=options)  # a chord must not carry one into the other
+        start = lie.exp(c.nominal_rotation_vector)
+        return cls(exact, solver, start, c.nominal_momentum, scenario.n_steps, c.exact_every)
+
     def warm_up(self) -> None:
         """Compile or load the kernels."""
         self._exact.warm_up()
@@ -93,28 +101,14 @@ class NominalRunController:
         return self._run
 
 
-def neighboring_extremal(
-    scenario: Scenario,
-) -> NominalRunController | OnlineNeighboringController:
-    """Build the controller that the scenario's section ``nmpc_controller`` asks for."""
-    c = scenario.controller
-    if np.isnan(c.nominal_rotation_vector).any():
-        return online_neighboring(scenario)
-    ocp, options = problem_of(scenario), options_of(scenario)
-    exact = ShootingController(ShootingSolver(ocp, options=options), monitor_of(scenario, ocp))
-    start = lie.exp(c.nominal_rotation_vector)
-    solver = ShootingSolver(ocp, options=options)
-    return NominalRunController(
-        exact, solver, start, c.nominal_momentum, scenario.n_steps, c.exact_every
-    )
-
-
 class NeighboringExtremalController:
-    """The registry's entry: builds one of the two."""
+    """The registry's entry: along a nominal run where one is given, else on line."""
 
     @staticmethod
     def from_scenario(
         scenario: Scenario,
     ) -> NominalRunController | OnlineNeighboringController:
         """Build the controller of a scenario's section ``nmpc_controller``."""
-        return neighboring_extremal(scenario)
+        if np.isnan(scenario.controller.nominal_rotation_vector).any():
+            return OnlineNeighboringController.from_scenario(scenario)
+        return NominalRunController.from_scenario(scenario)

@@ -46,6 +46,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
     attitude_hessian,
     costate_curvature,
     data9,
+    squared_control,
 )
 from spacecraft_gnc.ocp._sweep_kernels import store_stage, sweep_costates
 
@@ -84,10 +85,7 @@ def rollout(body, data, R, Pi, z, W):
 @kernel
 def _excess(data, W, k):
     """max(0, H0) of stage k."""
-    zz = 0.0
-    for i in range(Z_AT, W.shape[1]):
-        zz += W[k, i] * W[k, i]
-    return max(0.0, zz - data[ALPHA]) if data[ALPHA] > 0.0 else 0.0
+    return max(0.0, squared_control(W, k) - data[ALPHA]) if data[ALPHA] > 0.0 else 0.0
 
 
 @kernel

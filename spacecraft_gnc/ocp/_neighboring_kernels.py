@@ -10,7 +10,6 @@ import math
 
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import (
-    add,
     dot,
     load3,
     load9,
@@ -24,8 +23,9 @@ from spacecraft_gnc.lie._mat3_kernels import (
     sub,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._newton_kernels import move
 from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, repeat_last, summarise
-from spacecraft_gnc.ocp._stage_kernels import ALPHA, Z_AT, H, horizon_cost
+from spacecraft_gnc.ocp._stage_kernels import ALPHA, H, horizon_cost, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, substitute
 
 LAST = 7  # row of ``inputs`` where the last state stands
@@ -54,9 +54,7 @@ def feed_back(attitudes, momenta, torques, gains, k, state, u):
 @kernel
 def _cut(data, u, W):
     """Scale u_0 down to the torque limit, which the penalty lets it pass by a little."""
-    zz = 0.0
-    for i in range(Z_AT, W.shape[1]):
-        zz += W[0, i] * W[0, i]
+    zz = squared_control(W, 0)
     if data[ALPHA] > 0.0 and zz > data[ALPHA]:
         store3(u, 0, scale((1.0 - 2.0**-52) * math.sqrt(data[ALPHA] / zz), load3(u, 0)))
 
@@ -79,8 +77,7 @@ def correct(inputs, R, Pi, u, lam, margins, arena, kept):
         return False, nan, nan, nan, nan, nan, nan
     eta = small_rotation_vector(mat_t_mat(load9_rows(inputs, LAST), R_0))
     substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)
-    for k in range(N):
-        store3(trial, k, add(load3(guess, k), load3(step, k)))
+    move(guess, 1.0, step, trial)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
     status, norm, pattern = evaluate(body, data, zones, track, trial, R, Pi, u, lam[:N], resid, W)
@@ -89,8 +86,7 @@ def correct(inputs, R, Pi, u, lam, margins, arena, kept):
     zero = (0.0, 0.0, 0.0)
     substitute(data[H], fac, resid, zero, zero, 0.0, step)
     left = mat_vec(load9_flat(fac, 0, U_AT), load3(step, 0))
-    for k in range(N):
-        store3(guess, k, load3(trial, k))
+    move(trial, 0.0, trial, guess)
     for i in range(4):
         store3(inputs, LAST + i, load3(inputs, i))
     repeat_last(lam)

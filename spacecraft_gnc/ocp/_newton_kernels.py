@@ -54,7 +54,8 @@ def _linearise(problem, horizon, fac, rho, estimated):
 
 
 @kernel
-def _move(guess, gamma, step, trial):
+def move(guess, gamma, step, trial):
+    """Fill ``trial`` with guess + gamma step, all (N, 3)."""
     for k in range(guess.shape[0]):
         store3(trial, k, add(load3(guess, k), scale(gamma, load3(step, k))))
 
@@ -91,12 +92,13 @@ def _search(problem, horizon, work, rho, cost, norm, slope):
 
     ``cost`` is that of the guess. A full Newton step that brings the residual down tenfold is taken
     as it is; only otherwise does the cost decide, and where that is not known (NaN), none does.
+    Without success the horizon is left at the guess.
     """
     guess, trial, resid, step, _ = work
     noise = _cost_noise(problem, cost, guess.shape[0])
     gamma = 1.0
     while gamma > SMALLEST_STEP:
-        _move(guess, gamma, step, trial)
+        move(guess, gamma, step, trial)
         status, new_norm, pattern = _at(problem, horizon, trial, resid)
         if status == CONVERGED:
             if gamma == 1.0 and rho == 0.0 and new_norm <= FAST * norm:
@@ -108,6 +110,7 @@ def _search(problem, horizon, work, rho, cost, norm, slope):
         if math.isnan(cost):
             break
         gamma *= 0.5
+    _at(problem, horizon, guess, resid)
     return False, gamma, norm, 0
 
 
@@ -118,22 +121,26 @@ def _searched_step(problem, horizon, work, rho, estimated, norm, local):
     ``local``: Newton is expected at its best, and the cost is worked out only if it is not.
     Returns status, residual, pattern, the rho of the step, that to go on with.
     """
-    guess, trial, resid, _, fac = work
+    guess, trial, _, _, fac = work
     cost = math.nan if local else _cost(problem, horizon)
     while rho <= LARGEST_LEVENBERG:
         indefinite = _linearise(problem, horizon, fac, rho, estimated)
         slope = _newton_step(problem, work, rho)
-        if indefinite < 0 and slope < 0.0:
+        descends = indefinite < 0 and slope < 0.0
+        good, gamma, new_norm, pattern = False, 1.0, norm, 0
+        if descends:
             good, gamma, new_norm, pattern = _search(problem, horizon, work, rho, cost, norm, slope)
-            if good:
-                _move(trial, 0.0, trial, guess)
-                relaxed = 0.1 * rho if rho >= 10.0 * FIRST_LEVENBERG else 0.0
-                return CONVERGED, new_norm, pattern, rho, relaxed if gamma == 1.0 else rho
-            _at(problem, horizon, guess, resid)
-        if math.isnan(cost):
-            cost = _cost(problem, horizon)  # and once more, with the cost to decide
-        else:
-            rho = max(8.0 * rho, FIRST_LEVENBERG)
+        if not good and math.isnan(cost):  # once more, with the cost to decide
+            cost = _cost(problem, horizon)
+            if descends:
+                good, gamma, new_norm, pattern = _search(
+                    problem, horizon, work, rho, cost, norm, slope
+                )
+        if good:
+            move(trial, 0.0, trial, guess)
+            relaxed = 0.1 * rho if rho >= 10.0 * FIRST_LEVENBERG else 0.0
+            return CONVERGED, new_norm, pattern, rho, relaxed if gamma == 1.0 else rho
+        rho = max(8.0 * rho, FIRST_LEVENBERG)
     return LINE_SEARCH_FAILED, norm, 0, rho, rho
 
 
@@ -143,7 +150,7 @@ def _fixed_step(problem, horizon, work, gamma, estimated):
     guess, _, resid, step, fac = work
     _linearise(problem, horizon, fac, 0.0, estimated)
     _newton_step(problem, work, 0.0)
-    _move(guess, gamma, step, guess)
+    move(guess, gamma, step, guess)
     return _at(problem, horizon, guess, resid)
 
 
@@ -155,10 +162,10 @@ def _chord_step(problem, horizon, work, norm):
     """
     guess, trial, resid, step, _ = work
     _newton_step(problem, work, 0.0)
-    _move(guess, 1.0, step, trial)
+    move(guess, 1.0, step, trial)
     status, new_norm, pattern = _at(problem, horizon, trial, resid)
     if status == CONVERGED and new_norm <= CONTRACTION * norm:
-        _move(trial, 0.0, trial, guess)
+        move(trial, 0.0, trial, guess)
         return True, new_norm, pattern
     _at(problem, horizon, guess, resid)
     return False, norm, pattern
@@ -175,10 +182,10 @@ def _leave_saddle(problem, horizon, work, stage):
     torque = 0.1 * math.sqrt(data[ALPHA]) if data[ALPHA] > 0.0 else 0.01 * J[0] / (h * h)
     gamma = torque / size if size > 0.0 else 0.0
     for _ in range(40):
-        _move(guess, gamma, step, trial)
+        move(guess, gamma, step, trial)
         status, norm, pattern = _at(problem, horizon, trial, resid)
         if status == CONVERGED and _cost(problem, horizon) < cost:
-            _move(trial, 0.0, trial, guess)
+            move(trial, 0.0, trial, guess)
             return CONVERGED, norm, pattern
         gamma *= 0.5
     _, norm, pattern = _at(problem, horizon, guess, resid)

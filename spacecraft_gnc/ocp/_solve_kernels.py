@@ -33,6 +33,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
     ZONE_SIZE,
     horizon_cost,
     set_track,
+    squared_control,
     work_size,
 )
 from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE, factorize, smallest_pivot
@@ -90,10 +91,7 @@ def summarise(zones, R_ref, R, W, margins):
     """Fill the zone margins; returns the largest |u|^2, the first error and the angle turned."""
     largest = 0.0
     for k in range(W.shape[0]):
-        zz = 0.0
-        for i in range(Z_AT, W.shape[1]):
-            zz += W[k, i] * W[k, i]
-        largest = max(largest, zz)
+        largest = max(largest, squared_control(W, k))
     _margins(zones, R, margins)
     return largest, _angle(R_ref, load9(R, 0)), _angle(load9(R, 0), load9(R, W.shape[0]))
 

@@ -230,6 +230,15 @@ def attitude_cost(Q, R_ref, R):
 
 
 @kernel
+def squared_control(W, k):
+    """Squared norm |u_k|^2 = |z_k|^2 of the controls of stage k."""
+    zz = 0.0
+    for i in range(Z_AT, W.shape[1]):
+        zz += W[k, i] * W[k, i]
+    return zz
+
+
+@kernel
 def stage_cost(data, zones, R_ref, R_k, Pi_k, W, k):
     """Cost of stage k, (27) and penalties h mu max(0, H)^2, with z and sigma from row k of W."""
     h, alpha, mu0 = data[H], data[ALPHA], data[MU0]

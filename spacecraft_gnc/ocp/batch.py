@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import ShapeError
-from spacecraft_gnc.ocp._solve_kernels import solve_batch
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
 if TYPE_CHECKING:
@@ -70,7 +69,7 @@ def solve_many(
             )
     u, lam = np.empty((n, steps, 3)), np.empty((n, steps + 1, 6))
     margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
-    solver.run_batch(solve_batch, states, target, warm_starts, (R, Pi, u, lam, margins), numbers)
+    solver.run_batch(states, target, warm_starts, (R, Pi, u, lam, margins), numbers)
     status = numbers[:, 0].astype(np.int64)
     for row in np.flatnonzero(status < 0):  # name the first state that is none
         as_rotation(f"attitudes[{row}]", states[row, :3])

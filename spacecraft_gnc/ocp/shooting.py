@@ -10,8 +10,8 @@ the multipliers lambda. Two formulations of Newton's method solve it:
   (38), the states from a rollout, the costates from (34)-(37) run backward, where they are stable,
   and the residual is lambda2 - guess. The linear system is solved by a Riccati-like sweep, at a
   cost linear in the horizon. The residual is the gradient of the cost, so a line search on the
-  cost (and Levenberg's term where the pivots are not positive) leads to minima only, and the
-  pivots certify them.
+  cost (and Levenberg's term where the pivots are not positive) leads downhill, and the pivots
+  tell minima from saddles.
 
 ``auto`` takes the backward sweep at every horizon: docs/solver.md has the measurements.
 `Solution.formulation` says which one was used. (38) has no inner root finder: see
@@ -25,7 +25,6 @@ multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherza
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 from typing import NoReturn
@@ -34,7 +33,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp._solve_kernels import BAD_REFERENCE, BAD_STATE, make_arena, solve
+from spacecraft_gnc.ocp._solve_kernels import (
+    BAD_REFERENCE,
+    BAD_STATE,
+    make_arena,
+    solve,
+    solve_batch,
+)
 from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.solution import Solution, Status
@@ -266,16 +271,15 @@ class ShootingSolver:
 
     def run_batch(
         self,
-        kernel: Callable[..., None],
         states: Array,
         reference: Matrix3,
         warm_starts: Array | None,
         outputs: tuple[Array, ...],
         numbers: Array,
     ) -> None:
-        """Hand many states (n, 4, 3) to a kernel with this solver's problem and settings."""
+        """Run the batch kernel on states (n, 4, 3) with this solver's problem and settings."""
         warm = self._cold[None] if warm_starts is None else warm_starts
-        kernel(states, reference, warm, *outputs, *self.work, *self._settings, numbers)
+        solve_batch(states, reference, warm, *outputs, *self.work, *self._settings, numbers)
 
     @property
     def kept(self) -> NDArray[np.int64]:
