@@ -48,14 +48,23 @@ class GovernorDecision(NamedTuple):
 
     reference: Reference
     alpha: float
-    """Share of the way to the target that was allowed, 0 to 1."""
+    """Share of the way to the target, or to the next intermediate reference, that was allowed."""
     admissible: bool
+    """Whether the prediction under this reference keeps every constraint."""
     margin: float
-    """Smallest constraint margin along the prediction (infinite where nothing is predicted)."""
+    """Smallest constraint margin along the prediction, in the unit of the constraint that it
+    belongs to (infinite where nothing is predicted)."""
     active_constraint: str
     """Name of the constraint that limited alpha; empty where none did."""
     evaluations: int
     """Predictions made."""
+    violation_step: int = -1
+    """Predicted step at which that constraint would have been violated under the smallest
+    refused alpha, counted from this control step; -1 where nothing was refused."""
+    horizon: int = 0
+    """Steps that a prediction covers at the most; 0 where nothing is predicted."""
+    waypoints: int = 0
+    """Intermediate references still ahead of the target."""
 
 
 class Invariants(NamedTuple):

@@ -32,6 +32,7 @@ class PassThroughGovernor:
     """
 
     name = "none"
+    slow = False
 
     def __init__(self, target: ArrayLike) -> None:
         self._initial = as_rotation("target", target)

@@ -8,7 +8,15 @@ from collections.abc import Callable
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop.protocols import Command, Controller, Governor, Plant, Reference, State
+from spacecraft_gnc.loop.protocols import (
+    Command,
+    Controller,
+    Governor,
+    GovernorDecision,
+    Plant,
+    Reference,
+    State,
+)
 from spacecraft_gnc.loop.trajectory import Trajectory
 
 Progress = Callable[[int, int], None]
@@ -58,9 +66,10 @@ class ClosedLoop:
         state = self.plant.state
         reference = None
         for k in range(self.plant.n_steps):
-            reference = self.governor.decide(state).reference
+            decision = self.governor.decide(state)
+            reference = decision.reference
             command = self.controller.command(state, reference)
-            log.add(k, state, reference, command)
+            log.add(k, state, decision, command)
             state = self.plant.step(command.torque)
             if progress is not None:
                 progress(k + 1, self.plant.n_steps)
@@ -77,13 +86,15 @@ class _Log:
         self.attitude, self.reference = np.empty((n, 3, 3)), np.empty((n, 3, 3))
         self.momentum, self.torque = np.empty((n, 3)), np.empty((n, 3))
         self.residual, self.cost, self.solve_time = (np.full(n, math.nan) for _ in range(3))
+        self.alpha, self.margin = np.empty(n), np.empty(n)
         self.iterations, self.status = np.zeros(n, np.int64), np.full(n, -1, np.int64)
         self.source = np.zeros(n, np.int64)
 
-    def add(self, k: int, state: State, reference: Reference, command: Command) -> None:
+    def add(self, k: int, state: State, decision: GovernorDecision, command: Command) -> None:
         """Store control step k."""
         self.attitude[k], self.momentum[k] = state.attitude, state.momentum
-        self.reference[k], self.torque[k] = reference.attitude, command.torque
+        self.reference[k], self.torque[k] = decision.reference.attitude, command.torque
+        self.alpha[k], self.margin[k] = decision.alpha, decision.margin
         self.source[k] = command.source
         solution, status = command.solution, command.status
         if status is not None:
@@ -107,6 +118,8 @@ class _Log:
             solve_time=self.solve_time,
             status=self.status,
             source=self.source,
+            alpha=self.alpha,
+            governor_margin=self.margin,
             final_attitude=state.attitude,
             final_momentum=state.momentum,
             final_reference=reference.attitude,

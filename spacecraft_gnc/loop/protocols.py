@@ -126,13 +126,22 @@ class Governor(Protocol):
 
     name: str
     """Law, as in the scenario's ``governor:``."""
+    slow: bool
+    """Whether a decision may take longer than some milliseconds: a node then makes it in a thread
+    of its own, and never two at a time."""
 
     @property
     def target(self) -> Matrix3:
         """Attitude (3, 3) that is finally wanted, body to inertial."""
 
     def set_target(self, attitude: Matrix3) -> None:
-        """Ask for a new target attitude (3, 3), body to inertial."""
+        """Ask for a new target attitude (3, 3), body to inertial.
+
+        Raises
+        ------
+        GncError
+            If it is inadmissible, with the reason and the margin; the last target then stays.
+        """
 
     def warm_up(self) -> None:
         """Compile or load everything that `decide` needs."""

@@ -38,6 +38,9 @@ class Trajectory:
     residual, cost, solve_time : (n,) arrays
         Residual of the optimality conditions, optimal cost of the horizon, wall time [s]; NaN
         without a solve.
+    alpha, governor_margin : (n,) arrays
+        Of the governor's decision: share of the way to the target, smallest margin of its
+        prediction (infinite where nothing is predicted); NaN where it was not recorded.
     final_attitude, final_momentum, final_reference : (3, 3), (3,), (3, 3) arrays
         State at the end of the flight, and the last reference.
     """
@@ -54,6 +57,8 @@ class Trajectory:
     solve_time: Array
     status: NDArray[np.int64]
     source: NDArray[np.int64]
+    alpha: Array
+    governor_margin: Array
     final_attitude: Array
     final_momentum: Array
     final_reference: Array

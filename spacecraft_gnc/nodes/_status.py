@@ -38,6 +38,9 @@ class GovernorStatusEncoder:
                 decision.admissible,
                 decision.margin,
                 decision.evaluations,
+                decision.violation_step,
+                decision.horizon,
+                decision.waypoints,
             ]
         )
 

@@ -15,6 +15,7 @@ from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, RunInfo, parse_scenario
 from spacecraft_gnc.recording.steps import (
+    GOVERNOR_STATUS,
     INVARIANTS,
     REFERENCE,
     SOLVER_STATUS,
@@ -46,6 +47,8 @@ class _Rows(NamedTuple):
     statuses: Mapping[int, Any]
     torques: Mapping[int, tuple[Sequence[float], int]]
     """Torque [N m] and source that acted in each step."""
+    decisions: Mapping[int, Any]
+    """The governor's."""
 
 
 def load_run(path: Path | str, *, allow_unfinished: bool = False) -> Flight:
@@ -94,7 +97,7 @@ def read_flight(
         If there is no readable bag, or no flight of one spacecraft in it.
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
-        topics = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, INVARIANTS)
+        topics = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS)
         steps = read_steps(bag, topics, namespace)
         text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
         scenario, problem = parse_scenario(text, bag.path)
@@ -129,7 +132,10 @@ def _rows(bag: Bag, steps: Mapping[str, Steps]) -> _Rows:
             f"{bag.path}: received {len(states)} states and {len(torques)} torques; required at "
             "least one whole control step; record a longer run"
         )
-    return _Rows(count, states, steps[REFERENCE].messages, steps[SOLVER_STATUS].messages, torques)
+    references, statuses, decisions = (
+        steps[topic].messages for topic in (REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
+    )
+    return _Rows(count, states, references, statuses, torques, decisions)
 
 
 def _missing(steps: Mapping[str, Steps], rows: _Rows) -> dict[str, tuple[int, ...]]:
@@ -181,6 +187,8 @@ def _trajectory(rows: _Rows, period: float) -> Trajectory:
             n, -1, statuses, lambda m: -1 if m.status == _NO_SOLVE else m.status
         ),
         source=_filled_integers(n, -1, rows.torques, lambda torque: torque[1]),
+        alpha=_filled(n, (), rows.decisions, lambda m: m.alpha),
+        governor_margin=_filled(n, (), rows.decisions, lambda m: m.margin),
         final_attitude=_matrix(final.attitude),
         final_momentum=np.array(_xyz(final.angular_momentum)),
         final_reference=reference[known[-1]] if known.size else np.full((3, 3), math.nan),

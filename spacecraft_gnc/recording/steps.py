@@ -18,6 +18,7 @@ STATE: Final = "attitude_state"
 REFERENCE: Final = "attitude_reference"
 TORQUE: Final = "torque_command"
 SOLVER_STATUS: Final = "solver_status"
+GOVERNOR_STATUS: Final = "governor_status"
 INVARIANTS: Final = "plant_invariants"
 WALL_TIMING: Final = "wall_timing"
 TYPES: Final[Mapping[str, str]] = {
@@ -25,6 +26,7 @@ TYPES: Final[Mapping[str, str]] = {
     REFERENCE: f"{PACKAGE}/msg/AttitudeReference",
     TORQUE: f"{PACKAGE}/msg/TorqueCommand",
     SOLVER_STATUS: f"{PACKAGE}/msg/SolverStatus",
+    GOVERNOR_STATUS: f"{PACKAGE}/msg/GovernorStatus",
     INVARIANTS: f"{PACKAGE}/msg/PlantInvariants",
     WALL_TIMING: f"{PACKAGE}/msg/WallTiming",
 }

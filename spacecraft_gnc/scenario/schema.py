@@ -130,6 +130,78 @@ class GovernorParameters(NodeParameters):
         unit="rad",
         shape=(3,),
     )
+    initial_reference_rotation_vector: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "attitude: reference before the first step, exp(hat(.)); empty: the attitude at that step",
+        unit="rad",
+        shape=(3,),
+        may_be_empty=True,
+    )
+    max_torque: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "attitude: largest norm of the torque that the governed loop may command; 0: no limit",
+        unit="N m",
+        minimum=0.0,
+    )
+    max_momentum: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "attitude: largest norm of the angular momentum; 0: no limit",
+        unit="N m s",
+        minimum=0.0,
+    )
+    steady_margin_deg: float = parameter(
+        Kind.DOUBLE,
+        0.1,
+        "attitude: angle to every zone that a reference keeps at rest",
+        unit="deg",
+        above=0.0,
+        below=90.0,
+    )
+    lyapunov_level: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "attitude, feedback: level of the invariant set around a reference; 0: computed",
+        unit="J",
+        minimum=0.0,
+    )
+    prediction_horizon: int = parameter(
+        Kind.INTEGER,
+        0,
+        "attitude: steps of a prediction; 0: computed for the loop",
+        unit="steps",
+        minimum=0,
+        maximum=1_000_000,
+    )
+    alpha_tolerance: float = parameter(
+        Kind.DOUBLE,
+        1.0e-6,
+        "attitude: interval of alpha at which the bisection ends",
+        above=0.0,
+        below=1.0,
+    )
+    cut_point_shift: float = parameter(
+        Kind.DOUBLE,
+        0.01,
+        "attitude: share of half a turn by which a target opposite to the reference is moved",
+        above=0.0,
+        below=1.0,
+    )
+    route: bool = parameter(
+        Kind.BOOL,
+        True,
+        "attitude: go round a zone across the way by intermediate references",
+    )
+    route_clearance_deg: float = parameter(
+        Kind.DOUBLE,
+        2.0,
+        "attitude: angle to every zone that intermediate references keep",
+        unit="deg",
+        above=0.0,
+        below=90.0,
+    )
     slew_tolerance_deg: float = parameter(
         Kind.DOUBLE,
         0.1,

@@ -38,6 +38,15 @@ class WeightParameters:
         matrix=MatrixRule.DEFINITE,
         above=0.0,
     )
+    stage_rate: Matrix3 = parameter(
+        Kind.DYNAMIC,
+        0.0,
+        "terminal_set: stage weight on the rotation of one step, Q_2 of tr(Q_2 (I - F)) / h^2",
+        unit="s^2/rad^2",
+        shape=(3, 3),
+        matrix=MatrixRule.SEMIDEFINITE,
+        minimum=0.0,
+    )
     terminal_attitude: Matrix3 = parameter(
         Kind.DYNAMIC,
         0.01,
@@ -233,6 +242,38 @@ class ControllerParameters(NodeParameters):
         "neighboring_extremal on-line: steps after which an exact solve is made anyway",
         unit="steps",
         minimum=1,
+    )
+    feedback_attitude_gain: Matrix3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "feedback: gain A on the attitude error; empty: J omega^2 / 2 with omega = 0.05 / time_step",
+        unit="N m",
+        shape=(3, 3),
+        matrix=MatrixRule.DEFINITE,
+        may_be_empty=True,
+    )
+    feedback_momentum_gain: Matrix3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "feedback: gain K on the angular momentum; empty: 2 omega I",
+        unit="1/s",
+        shape=(3, 3),
+        matrix=MatrixRule.DEFINITE,
+        may_be_empty=True,
+    )
+    terminal_set: str = parameter(
+        Kind.STRING,
+        "true",
+        "terminal_set: terminal constraint; without_kappa: without the torque limit of the "
+        "terminal controller",
+        choices=("true", "false", "without_kappa"),
+    )
+    stage_cost_scale: float = parameter(
+        Kind.DOUBLE,
+        0.1,
+        "terminal_set: factor lambda of the stage cost",
+        above=0.0,
+        below=1.0,
     )
     weights: WeightParameters = field(default_factory=WeightParameters)
     zones: tuple[ZoneParameters, ...] = ()

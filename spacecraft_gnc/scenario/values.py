@@ -73,6 +73,8 @@ def admissible(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
 
 def _of_type(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
     kind = spec.kind
+    if isinstance(value, bool) and kind is Kind.STRING and emit(value) in spec.choices:
+        value = emit(value)  # YAML and ROS 2 read the words true and false as booleans
     if kind is Kind.DYNAMIC:
         kind = Kind.DOUBLE_ARRAY if isinstance(value, list) else Kind.DOUBLE
     if kind in _ELEMENT:

@@ -29,6 +29,8 @@ def trajectory(attitude, momentum, torque, **replaced):
         "solve_time": np.linspace(3e-5, 6e-5, n),
         "status": np.zeros(n, dtype=np.int64),
         "source": np.zeros(n, dtype=np.int64),
+        "alpha": np.ones(n),
+        "governor_margin": np.full(n, np.inf),
         "final_attitude": attitude[-1],
         "final_momentum": momentum[-1],
         "final_reference": np.eye(3),

@@ -111,6 +111,21 @@ class Codec:
             applied_source=source,
         )
 
+    def decision(self, step, alpha, margin):
+        return self.dump(
+            "GovernorStatus",
+            header=self.header(step),
+            step=step,
+            alpha=alpha,
+            admissible=True,
+            margin=margin,
+            active_constraint="",
+            evaluations=1,
+            violation_step=-1,
+            horizon=0,
+            waypoints=0,
+        )
+
     def status(self, step, iterations, residual, cost, solve_time, status=0):
         empty = np.empty(0)
         return self.dump(
@@ -147,6 +162,7 @@ TOPICS = {
     "attitude_state": "AttitudeState",
     "attitude_reference": "AttitudeReference",
     "torque_command": "TorqueCommand",
+    "governor_status": "GovernorStatus",
     "solver_status": "SolverStatus",
     "plant_invariants": "PlantInvariants",
 }
@@ -171,6 +187,8 @@ def random_flight(n, seed=0):
         solve_time=rng.random(n),
         status=np.zeros(n, dtype=np.int64),
         source=rng.integers(0, 5, n),
+        alpha=rng.random(n),
+        governor_margin=rng.random(n),
         final_attitude=attitude[-1],
         final_momentum=momentum[-1],
         final_reference=reference[-1],
@@ -191,6 +209,8 @@ def flight_messages(flight):
         if k < n:
             solve = (int(flight.iterations[k]), flight.residual[k], flight.cost[k])
             items.append(("attitude_reference", k, CODEC.reference(k, flight.reference[k])))
+            decision = CODEC.decision(k, flight.alpha[k], flight.governor_margin[k])
+            items.append(("governor_status", k, decision))
             items.append(("solver_status", k, CODEC.status(k, *solve, flight.solve_time[k])))
             torque = CODEC.torque(k, flight.torque[k], int(flight.source[k]))
             items.append(("torque_command", k, torque))

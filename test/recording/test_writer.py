@@ -75,7 +75,7 @@ def test_metadata_yaml_says_what_is_in_the_bag(tmp_path):
     assert information["duration"] == {"nanoseconds": 4_800_000_000}
     with AnyReader([bag]) as reader:
         (entry,) = reader.readers
-        assert entry.message_count == 5 * FLIGHT.n_steps + 2
+        assert entry.message_count == 6 * FLIGHT.n_steps + 2
         counts = {name: topic.msgcount for name, topic in entry.topics.items()}
         qos = entry.topics["/attitude_state"].connections[0].ext.offered_qos_profiles[0]
     assert counts["/attitude_state"] == FLIGHT.n_steps + 1
