@@ -246,7 +246,7 @@ class ControllerParameters(NodeParameters):
     feedback_attitude_gain: Matrix3 = parameter(
         Kind.DOUBLE_ARRAY,
         [],
-        "feedback: gain A on the attitude error; empty: J omega^2 / 2 with omega = 0.05 / time_step",
+        "feedback: gain A on the attitude error; empty: J omega^2 / 2, omega = 0.05 / time_step",
         unit="N m",
         shape=(3, 3),
         matrix=MatrixRule.DEFINITE,
