@@ -28,7 +28,9 @@ _PATIENCE = 2.0  # wall time [s] before a progress line appears
 _REFRESH = 0.1  # wall time [s] between two pictures of it
 NameArgument = Annotated[
     str | None,
-    typer.Argument(metavar="NAME", help="gupta2015 or bagherzadeh2023.  [default: all]"),
+    typer.Argument(
+        metavar="NAME", help="gupta2015, bagherzadeh2023 or kalabic2014.  [default: all]"
+    ),
 ]
 ResultOption = Annotated[
     Path | None, typer.Option("--json", metavar="FILE", help="Write the figures here as JSON.")

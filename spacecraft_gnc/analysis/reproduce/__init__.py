@@ -16,6 +16,7 @@ from spacecraft_gnc.errors import ParameterError
 PAPERS: Final = {
     "gupta2015": "spacecraft_gnc.analysis.reproduce.gupta2015",
     "bagherzadeh2023": "spacecraft_gnc.analysis.reproduce.bagherzadeh2023",
+    "kalabic2014": "spacecraft_gnc.analysis.reproduce.kalabic2014",
 }
 """Name for the command line and module, in the order in which all of them are run."""
 

@@ -11,10 +11,17 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
-from spacecraft_gnc.loop.protocols import Command, Controller, Reference, State
+from spacecraft_gnc.loop.protocols import (
+    Command,
+    Controller,
+    Governor,
+    GovernorDecision,
+    Reference,
+    State,
+)
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.shipped import shipped
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.types import Array, Matrix3
 
 Progress = Callable[[str, int, int], None]
 """Called with what flies, its step, and its number of steps."""
@@ -61,13 +68,59 @@ class Stopwatch:
         return command
 
 
+class GovernorStopwatch:
+    """A governor whose decisions are timed.
+
+    Parameters
+    ----------
+    governor : Governor
+
+    Attributes
+    ----------
+    times : list of float
+        Wall time of each decision since the last reset [s].
+    """
+
+    def __init__(self, governor: Governor) -> None:
+        self._governor = governor
+        self.name, self.slow = governor.name, governor.slow
+        self.times: list[float] = []
+
+    @property
+    def target(self) -> Matrix3:
+        """Attitude (3, 3) that is finally wanted, body to inertial."""
+        return self._governor.target
+
+    def set_target(self, attitude: Matrix3) -> None:
+        """Ask for a new target attitude (3, 3), body to inertial."""
+        self._governor.set_target(attitude)
+
+    def warm_up(self) -> None:
+        """Compile or load everything that `decide` needs."""
+        self._governor.warm_up()
+
+    def reset(self) -> None:
+        """Forget the past."""
+        self._governor.reset()
+        self.times = []
+
+    def decide(self, state: State) -> GovernorDecision:
+        """Return the governor's decision."""
+        begun = perf_counter()
+        decision = self._governor.decide(state)
+        self.times.append(perf_counter() - begun)
+        return decision
+
+
 class Flown(NamedTuple):
-    """A flight, and what its commands took."""
+    """A flight, and what its commands and decisions took."""
 
     scenario: Scenario
     trajectory: Trajectory
     step_times: Array
-    """(n,) median over the repeats of each step's time [s]."""
+    """(n,) median over the repeats of each command's time [s]."""
+    decision_times: Array
+    """The same for the governor's decisions."""
 
     @property
     def total(self) -> float:
@@ -100,8 +153,8 @@ def fly(
     """
     scenario = load(shipped(name), overrides)
     loop = scenario.build()
-    watch = Stopwatch(loop.controller)
-    timed = ClosedLoop(loop.plant, watch, loop.governor)
+    watch, decisions = Stopwatch(loop.controller), GovernorStopwatch(loop.governor)
+    timed = ClosedLoop(loop.plant, watch, decisions)
     if repeats > 1:
         timed.run()  # caches, and the nominal run of a neighbouring extremal
     rows = []
@@ -110,8 +163,9 @@ def fly(
         trajectory = timed.run(
             lambda k, n, done=done: progress(name, done + k, repeats * n)  # type: ignore[misc]
         )
-        rows.append(watch.times)
-    return Flown(scenario, trajectory, np.median(np.array(rows), axis=0))
+        rows.append((watch.times, decisions.times))
+    command_times, decision_times = np.median(np.array(rows), axis=0)
+    return Flown(scenario, trajectory, command_times, decision_times)
 
 
 def set_vector(parameter: str, vector: Array) -> str:
