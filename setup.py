@@ -66,6 +66,7 @@ setup(
             f"neighboring_extremal = {NAME}.loop.neighboring:NeighboringExtremalController",
             f"slsqp = {NAME}.loop.controllers:SlsqpController",
             f"fsolve = {NAME}.loop.controllers:FsolveController",
+            f"terminal_set = {NAME}.loop.terminal_set:TerminalSetController",
         ],
         f"{NAME}.governors": [f"none = {NAME}.governors.pass_through:PassThroughGovernor"],
     },

@@ -25,6 +25,7 @@ from spacecraft_gnc.ocp.terminal_level import Level, decrease_level
 from spacecraft_gnc.ocp.zones import PointingZone
 from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_semidefinite, read_only
 
+BELOW = 1.0 - 2.0**-51  # keeps rounding below the torque limit, which is hard
 TERMINAL_SETS = ("true", "without_kappa", "false")
 
 
@@ -121,6 +122,12 @@ class TerminalSetOcp(AttitudeOcp):
         other._set(data=read_only(data))
         return other
 
+    def with_horizon(self, horizon: int) -> TerminalSetOcp:
+        """Return this problem over another number of steps; its terminal set is the same."""
+        other = copy.copy(self)
+        other._set(horizon=horizon)
+        return other
+
     def terminal_state(self, attitudes: Array, momenta: Array, reference: Matrix3) -> Array:
         """Return (6,) (Z, Pi) [rad, N m s] at the end of attitudes (N+1, 3, 3), momenta."""
         target = tuple(np.asarray(reference).ravel().tolist())
@@ -142,7 +149,7 @@ class TerminalSetOcp(AttitudeOcp):
         tail = [weights, axes.T.ravel()]
         head = np.concatenate(
             [
-                [self.time_step, self.max_torque**2, math.inf],
+                [self.time_step, (self.max_torque * BELOW) ** 2, math.inf],
                 (scale / self.time_step * attitude).ravel(),
                 np.zeros(27),
                 [1.0],

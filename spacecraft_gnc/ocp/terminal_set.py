@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from time import perf_counter
+from typing import TypeAlias
 
 import numpy as np
 
@@ -27,7 +28,8 @@ from spacecraft_gnc.types import Array, ArrayLike
 LARGEST = math.log(1e8)  # of log(1 + nu)
 ON_BORDER = 1e-9  # the level found lies between (1 - this) c and c
 SEARCHES = 60
-FORMULATION = "terminal_set"
+LARGEST_HORIZON = 4096
+Problem: TypeAlias = tuple[ArrayLike, ArrayLike, ArrayLike | None]
 
 
 class TerminalSetSolver:
@@ -99,14 +101,49 @@ class TerminalSetSolver:
 
         Its ``terminal_level`` is the least |x_N|_P^2 that the horizon can reach.
         """
-        return _Search(self, (attitude, momentum, reference), None).at(LARGEST)
+        search = _Search(self, (attitude, momentum, reference), None)
+        found = search.at(0.0)
+        for s in np.linspace(0.0, LARGEST, 5)[1:]:
+            if found.converged:
+                found = search.at(float(s))
+        return found
+
+    def sufficient_horizon(
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+        largest: int = LARGEST_HORIZON,
+    ) -> int | None:
+        """Return the least horizon that reaches the terminal set; None if none up to ``largest``.
+
+        By bisection, which finds the least one where a longer horizon reaches no less: from rest it
+        does.
+        """
+        problem = (attitude, momentum, reference)
+        too_short, n = 0, 1
+        while not self._reaches(problem, n):
+            if n == largest:
+                return None
+            too_short, n = n, min(2 * n, largest)
+        while n - too_short > 1:
+            middle = (n + too_short) // 2
+            if self._reaches(problem, middle):
+                n = middle
+            else:
+                too_short = middle
+        return n
+
+    def _reaches(self, problem: Problem, horizon: int) -> bool:
+        other = TerminalSetSolver(self.ocp.with_horizon(horizon), self._newton.options)
+        return other.solve(*problem).converged
 
     def warm_up(self) -> None:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""
         self.solve(IDENTITY, np.zeros(3))
 
     def newton(
-        self, problem: tuple[ArrayLike, ArrayLike, ArrayLike | None], guess: Array | None, s: float
+        self, problem: Problem, guess: Array | None, s: float
     ) -> Solution:
         """Solve with the terminal cost exp(s) F."""
         self._weight[:] = math.exp(s) * self._riccati
@@ -119,7 +156,7 @@ class _Search:
     def __init__(
         self,
         solver: TerminalSetSolver,
-        problem: tuple[ArrayLike, ArrayLike, ArrayLike | None],
+        problem: Problem,
         guess: Array | None,
     ) -> None:
         self._solver = solver

@@ -40,6 +40,7 @@ BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
         ),
         "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController"),
         "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController"),
+        "terminal_set": BuiltIn("spacecraft_gnc.loop.terminal_set:TerminalSetController"),
     },
     "governors": {"none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor")},
 }
