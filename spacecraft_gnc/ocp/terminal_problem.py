@@ -12,7 +12,6 @@ from the principal one of the first attitude (at half a turn `lie.log`'s branch)
 
 from __future__ import annotations
 
-import copy
 import math
 
 import numpy as np
@@ -115,18 +114,14 @@ class TerminalSetOcp(AttitudeOcp):
 
         At the multiplier of an active terminal set, its solution is that of the problem itself.
         """
-        other = copy.copy(self)
         data = self.data.copy()
         at = _data_kernels.P_LOG
         data[at : at + 36] = (1.0 + multiplier) * self.terminal.riccati.ravel()
-        other._set(data=read_only(data))
-        return other
+        return self._with(data=read_only(data))
 
     def with_horizon(self, horizon: int) -> TerminalSetOcp:
         """Return this problem over another number of steps; its terminal set is the same."""
-        other = copy.copy(self)
-        other._set(horizon=horizon)
-        return other
+        return self._with(horizon=horizon)
 
     def terminal_state(self, attitudes: Array, momenta: Array, reference: Matrix3) -> Array:
         """Return (6,) (Z, Pi) [rad, N m s] at the end of attitudes (N+1, 3, 3), momenta."""
@@ -137,6 +132,12 @@ class TerminalSetOcp(AttitudeOcp):
     def level_of(self, state: Array) -> float:
         """Return |x|_P^2 of x (6,), or of each row of x (n, 6)."""
         return float(state @ self.terminal.riccati @ state)
+
+    def _with(self, **values: object) -> TerminalSetOcp:
+        other = object.__new__(TerminalSetOcp)
+        inherited = {name: getattr(self, name) for name in AttitudeOcp.__slots__}
+        other._set(**(inherited | vars(self) | values))
+        return other
 
     def _set(self, **values: object) -> None:
         for name, value in values.items():
