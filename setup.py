@@ -71,6 +71,7 @@ setup(
         f"{NAME}.governors": [
             f"none = {NAME}.governors.pass_through:PassThroughGovernor",
             f"attitude = {NAME}.governors.attitude:AttitudeGovernor",
+            f"terminal_set = {NAME}.loop.terminal_set:TerminalSetController",
         ],
     },
 )

@@ -20,35 +20,25 @@ from spacecraft_gnc.lie._mat3_kernels import (
     load3,
     load9,
     load9_flat,
-    mat_scale,
-    mat_t_mat,
     mat_t_vec,
     mat_vec,
     scale,
     store3,
     store9,
     sub,
-    trace_minus,
 )
+from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, M_U, MU0, H, data9
 from spacecraft_gnc.ocp._stage_kernels import (
     A_AT,
-    ALPHA,
-    D_U,
     M_AT,
-    M_U,
-    MU0,
-    P_AT,
-    S_P2,
-    S_Q2,
     SIGMA_AT,
     Z_AT,
-    H,
     attitude_hessian,
-    costate_curvature,
-    data9,
     squared_control,
+    stage_curvature,
 )
 from spacecraft_gnc.ocp._sweep_kernels import store_stage, sweep_costates
+from spacecraft_gnc.ocp._terminal_kernels import terminal_hessian
 
 
 @kernel
@@ -123,22 +113,22 @@ def reduced_hessian(body, data, zones, track, R, Pi, lam, W, states, hessian):
     N, m = W.shape[0], int(data[M_U])
     h, mu0 = data[H], data[MU0]
     Jd = body_nonstandard_inertia(body)
-    S2, SP = data9(data, S_Q2), data9(data, S_P2)
-    bend = mat_scale(-0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, 9))))
+    V11, V12, V21, V22 = terminal_hessian(data, track, R, Pi)
     B = data9(track, 0)
     for column in range(m * N):
         k0, i0 = column // m, column % m
         _deviation(W, k0, scale(h, _row(data, i0)), states)
-        d_l1 = mat_vec(bend, load3(states, N))
-        d_l2 = scale(-1.0, mat_vec(SP, load3(states, N, 3)))
+        eta, d_Pi = load3(states, N), load3(states, N, 3)
+        d_l1 = scale(-1.0, add(mat_vec(V11, eta), mat_vec(V12, d_Pi)))
+        d_l2 = scale(-1.0, add(mat_vec(V21, eta), mat_vec(V22, d_Pi)))
         for k in range(N - 1, k0 - 1, -1):
             for i in range(m):
                 hessian[m * k + i, column] = -2.0 * h * dot(_row(data, i), d_l2)
             if k > k0:
                 F, M, A = load9_flat(W, k), load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
-                l1, l2, p = load3(lam, k), load3(lam, k, 3), load3(W, k, P_AT)
+                l1, l2 = load3(lam, k), load3(lam, k, 3)
                 G = attitude_hessian(h, B, zones, load9(R, k))
-                Z = costate_curvature(h, S2, Jd, F, M, A, l1, l2, p)
+                Z = stage_curvature(data, Jd, W, k, l1, l2)
                 eta, d_Pi = load3(states, k), load3(states, k, 3)
                 swept = add(mat_t_vec(A, d_l2), mat_t_vec(M, d_l1))
                 turned = sub(d_l1, mat_vec(hat_mat(l1, M), d_Pi))

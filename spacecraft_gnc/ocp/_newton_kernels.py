@@ -12,7 +12,8 @@ import math
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, dot, load3, scale, store3
-from spacecraft_gnc.ocp._stage_kernels import ALPHA, P1, Q1, H, horizon_cost
+from spacecraft_gnc.ocp._data_kernels import ALPHA, P1, Q1, H
+from spacecraft_gnc.ocp._stage_kernels import horizon_cost
 from spacecraft_gnc.ocp._sweep_kernels import (
     descent_at_saddle,
     evaluate,

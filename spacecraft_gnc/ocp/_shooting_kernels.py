@@ -35,6 +35,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     transpose,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._data_kernels import S_P2, S_Q2, H, data9
 from spacecraft_gnc.ocp._newton_kernels import (
     BACKTRACKING,
     CHORD,
@@ -52,16 +53,12 @@ from spacecraft_gnc.ocp._stage_kernels import (
     A_AT,
     M_AT,
     P_AT,
-    S_P2,
-    S_Q2,
     SIGMA_AT,
-    H,
     attitude_gradient,
     attitude_hessian,
     control,
     control_sensitivity,
     costate_curvature,
-    data9,
 )
 from spacecraft_gnc.ocp._sweep_kernels import store_stage
 

@@ -24,19 +24,18 @@ from spacecraft_gnc.lie._mat3_kernels import (
     store9,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._data_kernels import D_U, M_U
 from spacecraft_gnc.ocp._newton_kernels import CHORD, CONVERGED, SADDLE, newton
 from spacecraft_gnc.ocp._shooting_kernels import newton_shooting
 from spacecraft_gnc.ocp._stage_kernels import (
-    D_U,
-    M_U,
     Z_AT,
     ZONE_SIZE,
     horizon_cost,
-    set_track,
     squared_control,
     work_size,
 )
 from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE, factorize, smallest_pivot
+from spacecraft_gnc.ocp._terminal_kernels import set_track
 from spacecraft_gnc.types import Array
 
 BAD_STATE, BAD_REFERENCE = -1, -2

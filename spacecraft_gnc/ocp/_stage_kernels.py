@@ -1,7 +1,7 @@
 """Kernels of one stage of the horizon: control law, dynamics, costate and cost terms of Gupta 2015.
 
 Letters follow the paper (`docs/notation.md`). The multipliers lam1, lam2 are half the true ones,
-as the paper's pairing makes them. ``data`` is packed by `problem.AttitudeOcp`: see the offsets.
+as the paper's pairing makes them. ``data`` is laid out in `_data_kernels`.
 """
 
 from __future__ import annotations
@@ -18,25 +18,38 @@ from spacecraft_gnc.lie._mat3_kernels import (
     inverse,
     load3,
     load9,
+    load9_flat,
     mat_add,
     mat_mat,
     mat_scale,
     mat_sub,
     mat_t_mat,
     mat_t_vec,
-    mat_vec,
     outer,
     scale,
     sub,
     trace_minus,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._data_kernels import (
+    ALPHA,
+    D_U,
+    LOG_FORM,
+    M_U,
+    MU0,
+    S_Q2,
+    H,
+    data9,
+    quadratic,
+)
+from spacecraft_gnc.ocp._terminal_kernels import (
+    rate_cost,
+    rate_gradient,
+    rate_hessian,
+    stage_attitude_cost,
+    terminal_cost,
+)
 
-# Offsets into ``data``; S = (tr(Q) I - Q)/2 turns |Q^(1/2) hat(a)|_F^2 / 2 into a . S a. The m
-# controls are counted in the eigenvectors V of their weight S3 = V diag(d) V^T: z = V^T u, and
-# torque = G^T z with the rows of G = V^T B^T. From D_U on stand d (m), then G (m x 3).
-H, ALPHA, MU0 = 0, 1, 2
-Q1, P1, S_Q2, S_P2, M_U, D_U = 3, 12, 21, 30, 39, 40
 # Offsets into a row of the work array W: F, M, A = F^T + hat(p) M, p = F^T Pi, sigma, then z.
 M_AT, A_AT, P_AT, SIGMA_AT, Z_AT = 9, 18, 27, 30, 31
 # Columns of a row of ``zones``: body axis v, inertial axis d, cosine, sign (+1 exclusion), weight.
@@ -46,21 +59,6 @@ ZONE_SIZE = 9
 def work_size(m: int) -> int:
     """Columns of W for m controls."""
     return Z_AT + m
-
-
-@kernel
-def data9(data, i):
-    """Nine consecutive numbers of ``data``."""
-    return (
-        data[i], data[i + 1], data[i + 2], data[i + 3], data[i + 4],
-        data[i + 5], data[i + 6], data[i + 7], data[i + 8],
-    )  # fmt: skip
-
-
-@kernel
-def quadratic(S, x):
-    """Value x . S x."""
-    return dot(x, mat_vec(S, x))
 
 
 @kernel
@@ -204,29 +202,23 @@ def costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p):
 
 
 @kernel
+def stage_curvature(data, Jd, W, k, lam1, lam2):
+    """`costate_curvature` of stage k, with what a cost of the rate adds in the log form."""
+    h, S2 = data[H], data9(data, S_Q2)
+    F, M = load9_flat(W, k), load9_flat(W, k, M_AT)
+    A, p = load9_flat(W, k, A_AT), load3(W, k, P_AT)
+    if data[LOG_FORM] == 0.0:
+        return costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p)
+    pushed = sub(lam1, rate_gradient(data, F))
+    Z = costate_curvature(h, S2, Jd, F, M, A, pushed, lam2, p)
+    return mat_add(Z, mat_t_mat(M, mat_mat(rate_hessian(data, F), M)))
+
+
+@kernel
 def momentum_map(h, Jd, F):
     """Fact 2: M = h F^T (tr(F Jd) I - F Jd)^-1, so that F^T delta F = hat(M delta Pi); (M, det)."""
     G_inverse, det = inverse(trace_minus(mat_mat(F, Jd)))
     return mat_scale(h, mat_t_mat(F, G_inverse)), det
-
-
-@kernel
-def set_track(data, R_ref, track):
-    """Fill ``track`` (27,) with Q1 R_ref, P1 R_ref and R_ref: (27), (28) measured from R_ref."""
-    stage, terminal = mat_mat(data9(data, Q1), R_ref), mat_mat(data9(data, P1), R_ref)
-    for i in range(9):
-        track[i], track[9 + i], track[18 + i] = stage[i], terminal[i], R_ref[i]
-
-
-@kernel
-def attitude_cost(Q, R_ref, R):
-    """|Q^(1/2) (R - R_ref)|_F^2 / 2, by the difference: accurate however close the two are."""
-    D = mat_sub(R, R_ref)
-    QD = mat_mat(Q, D)
-    total = 0.0
-    for i in range(9):
-        total += D[i] * QD[i]
-    return 0.5 * total
 
 
 @kernel
@@ -248,21 +240,17 @@ def stage_cost(data, zones, R_ref, R_k, Pi_k, W, k):
         z = W[k, Z_AT + i]
         zz += z * z
         effort += data[D_U + i] * z * z
-    state = attitude_cost(data9(data, Q1), R_ref, R_k) + quadratic(data9(data, S_Q2), Pi_k)
+    state = stage_attitude_cost(data, R_ref, R_k) + quadratic(data9(data, S_Q2), Pi_k)
     total = h * (state + effort) + zone_cost(h, zones, R_k)
+    if data[LOG_FORM] > 0.0:
+        total += rate_cost(data, load9_flat(W, k))
     if alpha > 0.0:
         # A solve knows sigma = 2 mu0 H0 without cancellation; a bare rollout has sigma < 0.
         sigma = W[k, SIGMA_AT]
         H0 = sigma / (2.0 * mu0) if sigma >= 0.0 else max(0.0, zz - alpha)
-        total += h * mu0 * H0 * H0
+        if H0 > 0.0:  # under a hard limit mu0 is infinite
+            total += h * mu0 * H0 * H0
     return total
-
-
-@kernel
-def terminal_cost(data, track, R_N, Pi_N):
-    """Terminal cost (28)."""
-    attitude = attitude_cost(data9(data, P1), data9(track, 18), R_N)
-    return attitude + quadratic(data9(data, S_P2), Pi_N)
 
 
 @kernel
@@ -270,7 +258,7 @@ def horizon_cost(data, zones, track, R, Pi, W):
     """Cost (27) + (28) + penalties of a propagated horizon."""
     N = W.shape[0]
     R_ref = data9(track, 18)
-    total = terminal_cost(data, track, load9(R, N), load3(Pi, N))
+    total = terminal_cost(data, track, R, Pi)
     for k in range(N):
         total += stage_cost(data, zones, R_ref, load9(R, k), load3(Pi, k), W, k)
     return total

@@ -44,26 +44,22 @@ from spacecraft_gnc.lie._mat3_kernels import (
     store9,
     store9_flat,
     sub,
-    trace_minus,
     transpose,
-    vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._data_kernels import LOG_FORM, S_Q2, H, data9
 from spacecraft_gnc.ocp._stage_kernels import (
     A_AT,
     M_AT,
     P_AT,
-    S_P2,
-    S_Q2,
     SIGMA_AT,
-    H,
     attitude_gradient,
     attitude_hessian,
     control,
     control_sensitivity,
-    costate_curvature,
-    data9,
     momentum_map,
+    stage_curvature,
 )
+from spacecraft_gnc.ocp._terminal_kernels import rate_gradient, terminal_costate, terminal_hessian
 
 SOLVED, UNSOLVABLE_STEP = 0, 3  # equal to ocp.Status
 U_AT, SI_AT, K1_AT, K2_AT, L1_AT, L2_AT, F_AT, MF_AT, AF_AT, FACTOR_SIZE = range(0, 90, 9)
@@ -85,8 +81,8 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
     """Sweep (34)-(37) backward over a rollout into lam (N, 6); returns the pattern of zones."""
     N = W.shape[0]
     h, S2, B = data[H], data9(data, S_Q2), data9(track, 0)
-    l1 = vee_antisymmetric(mat_t_mat(load9(R, N), data9(track, 9)))
-    l2 = scale(-1.0, mat_vec(data9(data, S_P2), load3(Pi, N)))
+    l1, l2 = terminal_costate(data, track, R, Pi)
+    rated = data[LOG_FORM] > 0.0
     pattern = 0
     for k in range(N - 1, -1, -1):
         store3(lam, k, l1)
@@ -95,7 +91,8 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
             g, active = attitude_gradient(h, B, zones, load9(R, k))
             pattern = 7 * pattern + active
             M, A = load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
-            swept = add(mat_t_vec(A, l2), mat_t_vec(M, l1))
+            pushed = sub(l1, rate_gradient(data, load9_flat(W, k))) if rated else l1
+            swept = add(mat_t_vec(A, l2), mat_t_vec(M, pushed))
             l2 = sub(swept, scale(h, mat_vec(S2, load3(Pi, k))))
             l1 = sub(mat_vec(load9_flat(W, k), l1), g)
     return pattern
@@ -147,10 +144,8 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
     ``rho`` >= 0 is Levenberg's term: U becomes U (I + rho U)^-1.
     """
     h, Jd = data[H], body_nonstandard_inertia(body)
-    S2, B, N = data9(data, S_Q2), data9(track, 0), W.shape[0]
-    V11 = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, 9))))
-    V12 = V21 = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    V22 = data9(data, S_P2)
+    B, N = data9(track, 0), W.shape[0]
+    V11, V12, V21, V22 = terminal_hessian(data, track, R, Pi)
     indefinite = -1
     for k in range(N - 1, -1, -1):
         U = control_sensitivity(data, W, k, estimated)
@@ -180,7 +175,7 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
             X11, X12 = mat_sub(Y11, mat_mat(L1, K1)), mat_sub(Y12, mat_mat(L1, K2))
             X21, X22 = mat_sub(Y21, mat_mat(L2, K1)), mat_sub(Y22, mat_mat(L2, K2))
             l1, l2 = load3(lam, k), load3(lam, k, 3)
-            Z = costate_curvature(h, S2, Jd, F, M, A, l1, l2, load3(W, k, P_AT))
+            Z = stage_curvature(data, Jd, W, k, l1, l2)
             V11 = mat_add(mat_mat(F, X11), attitude_hessian(h, B, zones, load9(R, k)))
             V12 = mat_mat(F, mat_add(X12, hat_mat(l1, M)))
             V21 = mat_add(mat_t_mat(M, X11), mat_t_mat(A, X21))

@@ -19,7 +19,7 @@ import numpy as np
 
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp import _stage_kernels
+from spacecraft_gnc.ocp import _data_kernels, _stage_kernels
 from spacecraft_gnc.ocp.rollout import Horizon
 from spacecraft_gnc.ocp.zones import PointingZone
 from spacecraft_gnc.types import (
@@ -245,6 +245,7 @@ def _pack(ocp: AttitudeOcp) -> Array:
         np.ravel(np.asarray(w.terminal_attitude)),
         _half_trace_minus(w.stage_momentum).ravel(),
         _half_trace_minus(w.terminal_momentum).ravel(),
+        np.zeros(_data_kernels.M_U - _data_kernels.LOG_FORM),  # read in the log form only
         np.array([float(ocp.n_controls)]),
         ocp.control_weights,
         (ocp.torque_map @ ocp.control_axes).T.ravel(),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels
+from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels, _terminal_kernels
 from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_rotation, as_vector3
 
 if TYPE_CHECKING:
@@ -78,8 +78,8 @@ class Horizon:
 
 
 def track_of(ocp: AttitudeOcp, reference: ArrayLike) -> Array:
-    """Return Q1 R_ref, P1 R_ref and R_ref (27,), as the kernels want the reference."""
+    """Return the reference (27,) as the kernels want it: `_terminal_kernels.set_track`."""
     rotation: Matrix3 = as_rotation("reference", reference)
-    q1, p1 = ocp.weights.stage_attitude, ocp.weights.terminal_attitude
-    parts = (np.asarray(q1) @ rotation, np.asarray(p1) @ rotation, rotation)
-    return np.concatenate([part.ravel() for part in parts])
+    track = np.empty(27)
+    _terminal_kernels.set_track(ocp.data, tuple(rotation.ravel().tolist()), track)
+    return track

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -26,6 +27,7 @@ class Status(IntEnum):
     STALLED = 6
     ESCAPING = 7
     SADDLE = 8
+    INFEASIBLE = 9
 
     @property
     def advice(self) -> str:
@@ -43,6 +45,7 @@ _ADVICE = {
     Status.STALLED: "The loop came to rest away from its target, at a local minimum of the cost.",
     Status.ESCAPING: "The loop leaves an unstable standstill by a small torque added to its own.",
     Status.SADDLE: "The solve ended at a saddle of the cost, not at a minimum: use another start.",
+    Status.INFEASIBLE: "No torque within the limit reaches the terminal set: lengthen the horizon.",
 }
 
 
@@ -90,6 +93,10 @@ class Solution(NamedTuple):
     """Angle [rad] from the reference at the start of the horizon."""
     travel: float
     """Angle [rad] between the first and the last predicted attitude."""
+    terminal_level: float = math.nan
+    """|(Z_N, Pi_N)|_P^2 where the problem has a terminal set; NaN without one."""
+    terminal_multiplier: float = 0.0
+    """Multiplier nu >= 0 of the terminal set; ``ocp`` then has (1 + nu) F as its terminal cost."""
 
     @property
     def converged(self) -> bool:

@@ -11,6 +11,8 @@ from spacecraft_gnc.scenario.problems import shown, suggestion
 _CONTROLLER: Final = "nmpc_controller"
 _NEWTON: Final = ("shooting", "neighboring_extremal")
 _NEIGHBORING: Final = ("neighboring_extremal",)
+_TERMINAL_SET: Final = ("terminal_set",)
+_PENALISED: Final = ("shooting", "neighboring_extremal", "slsqp", "fsolve")
 READERS: Final = {
     "formulation": _NEWTON,
     "step_rule": _NEWTON,
@@ -21,6 +23,15 @@ READERS: Final = {
     "exact_every": _NEIGHBORING,
     "ne_tolerance": _NEIGHBORING,
     "ne_max_age": _NEIGHBORING,
+    "terminal_set": _TERMINAL_SET,
+    "stage_cost_scale": _TERMINAL_SET,
+    "weights.stage_rate": _TERMINAL_SET,
+    "weights.stage_momentum": _PENALISED,
+    "weights.terminal_attitude": _PENALISED,
+    "weights.terminal_momentum": _PENALISED,
+    "torque_penalty": _PENALISED,
+    "actuators": _PENALISED,
+    "standstill_error_deg": _PENALISED,
 }
 """Parameter -> built-in methods that read it; those that all read are absent."""
 _OF_A_NOMINAL_RUN: Final = ("nominal_momentum", "exact_every")

@@ -45,6 +45,7 @@ BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
     "governors": {
         "none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor"),
         "attitude": BuiltIn("spacecraft_gnc.governors.attitude:AttitudeGovernor"),
+        "terminal_set": BuiltIn("spacecraft_gnc.loop.terminal_set:TerminalSetController"),
     },
 }
 KEYS: Final = {
