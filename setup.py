@@ -66,12 +66,12 @@ setup(
             f"neighboring_extremal = {NAME}.loop.neighboring:NeighboringExtremalController",
             f"slsqp = {NAME}.loop.controllers:SlsqpController",
             f"fsolve = {NAME}.loop.controllers:FsolveController",
+            f"terminal_set = {NAME}.loop.terminal_set:TerminalSetController",
             f"feedback = {NAME}.loop.feedback:FeedbackController",
         ],
         f"{NAME}.governors": [
             f"none = {NAME}.governors.pass_through:PassThroughGovernor",
             f"attitude = {NAME}.governors.attitude:AttitudeGovernor",
-            f"terminal_set = {NAME}.loop.terminal_set:TerminalSetController",
         ],
     },
 )

@@ -40,12 +40,12 @@ BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
         ),
         "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController"),
         "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController"),
+        "terminal_set": BuiltIn("spacecraft_gnc.loop.terminal_set:TerminalSetController"),
         "feedback": BuiltIn("spacecraft_gnc.loop.feedback:FeedbackController"),
     },
     "governors": {
         "none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor"),
         "attitude": BuiltIn("spacecraft_gnc.governors.attitude:AttitudeGovernor"),
-        "terminal_set": BuiltIn("spacecraft_gnc.loop.terminal_set:TerminalSetController"),
     },
 }
 KEYS: Final = {
