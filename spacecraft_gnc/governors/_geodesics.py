@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spacecraft_gnc import lie
 from spacecraft_gnc.ocp import PointingZone
 from spacecraft_gnc.types import Array
 
