@@ -142,9 +142,7 @@ class TerminalSetSolver:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""
         self.solve(IDENTITY, np.zeros(3))
 
-    def newton(
-        self, problem: Problem, guess: Array | None, s: float
-    ) -> Solution:
+    def newton(self, problem: Problem, guess: Array | None, s: float) -> Solution:
         """Solve with the terminal cost exp(s) F."""
         self._weight[:] = math.exp(s) * self._riccati
         return self._newton.solve(*problem, guess)

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.analysis.reproduce.flights import Flown
     from spacecraft_gnc.types import Array
 
+_BODY_AXES: Final = tuple({"color": color} for color in style.AXIS_COLOURS)
 VIEW: Final = sphere.View(azimuth_deg=50.0, elevation_deg=38.0)
 
 
@@ -115,19 +116,24 @@ def _angular_velocity(flown: Flown) -> Array:
 
 def _rates(axes: Axes, flown: Flown) -> None:
     times = series.state_times(flown.trajectory)
-    rates = {"": (_angular_velocity(flown), overlays.THIN)}
-    overlays.components(
-        axes, times, rates, title="Angular velocity, body frame", symbol=r"\Omega", unit="rad/s"
+    rates = _angular_velocity(flown).T
+    overlays.lines(
+        axes,
+        times,
+        {rf"$\Omega_{axis}$": 1e3 * rate for axis, rate in zip("xyz", rates, strict=True)},
+        title="Angular velocity, body frame",
+        ylabel="angular velocity [mrad/s]",
+        looks=_BODY_AXES,
     )
 
 
 def _alpha(axes: Axes, flown: Flown) -> None:
     """Draw alpha on a scale that shows the thousandths of the way and the 1 at the end."""
     flight = flown.trajectory
-    axes.step(flight.time, np.maximum(flight.alpha, 1e-6), where="post", color=style.INK, lw=0.9)
+    axes.plot(flight.time, np.maximum(flight.alpha, 1e-5), ".", color=style.INK, markersize=2.5)
     overlays.frame(axes, series.state_times(flight), "Share of the way admitted", r"$\alpha$ [-]")
     axes.set_yscale("log")
-    axes.set_ylim(1e-5, 2.0)
+    axes.set_ylim(0.8e-5, 2.0)
 
 
 def _compared(axes: Axes, flights: Flights) -> None:

@@ -93,6 +93,7 @@ def lines(
     ylabel: str,
     floor: float | None = None,
     with_key: bool = True,
+    looks: Sequence[dict[str, Any]] = LINES,
 ) -> None:
     """Draw several series over time.
 
@@ -104,8 +105,10 @@ def lines(
         Given: the scale is logarithmic, and ends there.
     with_key
         Whether to put the legend below.
+    looks
+        Of the lines, in turn.
     """
-    for (name, values), look in zip(series.items(), LINES, strict=False):
+    for (name, values), look in zip(series.items(), looks, strict=False):
         shown = values if floor is None else np.maximum(values, floor)
         axes.plot(times[: len(shown)], shown, label=name, **THIN, **look)
     frame(axes, times, title, ylabel)
