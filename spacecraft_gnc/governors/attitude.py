@@ -193,6 +193,8 @@ class AttitudeGovernor:
     def warm_up(self) -> None:
         """Compile or load everything that `decide` needs."""
         self.predictor.warm_up()
+        if self._planner is not None:
+            self._planner.warm_up()
         along(self._axis, 0.0, np.eye(3), np.empty((3, 3)))
         self.reference_set.contains(np.eye(3))
 

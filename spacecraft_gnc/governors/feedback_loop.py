@@ -43,7 +43,7 @@ class FeedbackPredictor:
     reference_set : ReferenceSet
         Its zones are the zones of the loop.
     max_torque, max_momentum : float
-        Limits on \\|T\\| [N m] and \\|Pi\\| [N m s]; 0 means none.
+        Limits on the norms of T [N m] and Pi [N m s]; 0 means none.
     level : float
         Level [J] of the invariant set W; 0: 0.98 of the lowest unstable equilibrium's.
     horizon : int
