@@ -173,7 +173,7 @@ def _limit(name: str, value: float) -> float:
 
 
 def _require_level(level: float, unstable: float) -> None:
-    if not 0.0 <= level < unstable:
+    if not 0.0 <= level < (1.0 - 1e-9) * unstable:  # eigenvalues have rounding
         raise ParameterError(
             f"lyapunov_level: received {level!r} J; required less than {unstable:.6g} J, the level "
             "of the lowest unstable equilibrium, twice the two smallest eigenvalues of the "
