@@ -43,7 +43,7 @@ class FeedbackPredictor:
     reference_set : ReferenceSet
         Its zones are the zones of the loop.
     max_torque, max_momentum : float
-        Limits on \\|T\\| [N m] and \\|Pi\\| [N m s]; 0 means none.
+        Limits on the norms of T [N m] and Pi [N m s]; 0 means none.
     level : float
         Level [J] of the invariant set W; 0: 0.98 of the lowest unstable equilibrium's.
     horizon : int
@@ -173,7 +173,7 @@ def _limit(name: str, value: float) -> float:
 
 
 def _require_level(level: float, unstable: float) -> None:
-    if not 0.0 <= level < unstable:
+    if not 0.0 <= level < (1.0 - 1e-9) * unstable:  # eigenvalues have rounding
         raise ParameterError(
             f"lyapunov_level: received {level!r} J; required less than {unstable:.6g} J, the level "
             "of the lowest unstable equilibrium, twice the two smallest eigenvalues of the "

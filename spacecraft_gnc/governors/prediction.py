@@ -51,6 +51,9 @@ class Predictor(Protocol):
 class Planner(Protocol):
     """Finds intermediate references where the shortest geodesic is barred."""
 
+    def warm_up(self) -> None:
+        """Prepare everything that `plan` needs."""
+
     def is_clear(self, start: Matrix3, end: Matrix3) -> bool:
         """Tell whether the whole geodesic between two references (3, 3) is admissible at rest."""
 
