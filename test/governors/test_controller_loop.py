@@ -296,6 +296,7 @@ def test_the_horizon_suffices_from_rest_anywhere(changes):
 
 def test_the_horizon_of_the_scenario_is_taken_and_substeps_are_flown():
     words = {
+        "reference_governor.governor": "attitude",
         "reference_governor.prediction_horizon": 432,
         "plant.time_step": 0.1,
         "nmpc_controller.method": "neighboring_extremal",

@@ -67,17 +67,24 @@ def test_the_nmpc_alone_enters_the_zone_or_stalls_before_it():
 
 
 def test_without_a_way_round_the_governor_waits_before_the_zone():
-    scenario, flight, errors = fly(reference_governor__route=False, plant__duration=80.0)
+    scenario, flight, errors = fly(
+        reference_governor__route=False,
+        reference_governor__alpha_tolerance=0.02,
+        plant__duration=80.0,
+    )
     assert zone_margins(scenario, flight).min() >= 0.0
     assert errors[-1] > 50.0
     assert flight.governor_margin.min() >= 0.0
 
 
 def test_a_momentum_limit_is_kept_that_the_nmpc_knows_nothing_of():
-    limit = {"reference_governor__max_momentum": 0.03, "plant__duration": 120.0}
-    _, flight, _ = fly(**limit, reference_governor__governor="none")
+    _, flight, _ = fly(plant__duration=120.0, reference_governor__governor="none")
     assert np.linalg.norm(flight.momentum, axis=1).max() > 0.06
-    scenario, flight, errors = fly(**limit, reference_governor__alpha_tolerance=0.02)
+    scenario, flight, errors = fly(
+        plant__duration=120.0,
+        reference_governor__max_momentum=0.03,
+        reference_governor__alpha_tolerance=0.02,
+    )
     largest = np.linalg.norm(flight.momentum, axis=1).max()
     assert 0.02 < largest <= 0.03
     assert zone_margins(scenario, flight).min() >= 0.0
@@ -86,7 +93,9 @@ def test_a_momentum_limit_is_kept_that_the_nmpc_knows_nothing_of():
 
 def test_neighboring_extremals_are_governed_as_well():
     scenario, flight, errors = fly(
-        nmpc_controller__method="neighboring_extremal", plant__duration=120.0
+        nmpc_controller__method="neighboring_extremal",
+        plant__duration=120.0,
+        reference_governor__alpha_tolerance=0.02,
     )
     assert (flight.source == 1).mean() > 0.5
     assert zone_margins(scenario, flight).min() >= 0.0
