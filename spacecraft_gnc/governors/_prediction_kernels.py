@@ -1,8 +1,8 @@
 """Kernels that fly the nominal loop ahead; `feedback_loop` and `tail` document them.
 
-``limits``: torque, momentum (infinity: none), level of W, h lambda_min-bound of condition (4).
-``tail`` (7, 6): x . P x <= c of the tail set, P in rows 0 to 5, then c (0: no tail is asked for),
-the largest angle of the ellipsoid at c = 1, and the steady margin. x = (log E, Pi).
+``limits``: torque, momentum (infinity: none), level of W, momentum up to which (4) always holds.
+``tail`` (7, 6): the set x . P x <= c with x = (log E, Pi); P in rows 0 to 5, then c (0: no tail is
+asked for) and the largest angle where x . P x = 1.
 """
 
 from __future__ import annotations

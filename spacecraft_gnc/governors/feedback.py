@@ -1,4 +1,4 @@
-"""The nominal controller: almost globally stabilising feedback on SO(3), with its Lyapunov function.
+"""The nominal controller: almost globally stabilising feedback on SO(3), and its Lyapunov function.
 
     E = V^T C,   hat(e) = A E - E^T A,   T = -K Pi - e,   W = Pi . J^-1 Pi / 2 + tr(A (I - E))
 
@@ -35,7 +35,7 @@ from spacecraft_gnc.types import (
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
-# Bandwidth of the default gains in units of 1/period: slow enough for any sampled double integrator.
+# Bandwidth of the default gains in units of 1/period: slow enough for a sampled double integrator.
 BANDWIDTH = 0.05
 
 
@@ -52,7 +52,7 @@ class AttitudeFeedback:
     inertia : (3, 3) array
         Body frame [kg m^2].
     max_torque : float
-        Limit on \\|T\\| [N m]; 0 means none. Where it acts, W may grow.
+        Limit on the norm of T [N m]; 0 means none. Where it acts, W may grow.
 
     Raises
     ------
@@ -135,7 +135,7 @@ class AttitudeFeedback:
         """Return the body torque (3,) [N m] at ``state`` towards ``reference`` (3, 3)."""
         torque = np.empty((1, 3))
         kernels.command(self.law, _packed(state, reference), torque)
-        return torque[0]
+        return np.asarray(torque[0])
 
     def lyapunov(self, state: State, reference: Matrix3) -> float:
         """Return W [J] at ``state`` for ``reference`` (3, 3); 0 at rest at the reference.

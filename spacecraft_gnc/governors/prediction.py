@@ -5,9 +5,17 @@ Attitudes map body to inertial components; all units are SI.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from spacecraft_gnc.types import Matrix3, State
+
+UNITS: Final = {
+    "torque limit": "N m",
+    "momentum limit": "N m s",
+    "momentum condition (4)": "N m s",
+    "invariant set": "J",
+}
+"""Unit of a constraint's margin; [rad] for the others."""
 
 
 class Prediction(NamedTuple):
@@ -50,6 +58,9 @@ class Predictor(Protocol):
 
 class Planner(Protocol):
     """Finds intermediate references where the shortest geodesic is barred."""
+
+    def warm_up(self) -> None:
+        """Prepare everything that `plan` needs."""
 
     def is_clear(self, start: Matrix3, end: Matrix3) -> bool:
         """Tell whether the whole geodesic between two references (3, 3) is admissible at rest."""

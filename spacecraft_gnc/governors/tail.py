@@ -1,12 +1,13 @@
 """How long a prediction has to be: the tail set of the nominal loop, and the way into it.
 
 Linearised at rest at the reference, with x = (log E, Pi), one control period of the loop is
-x+ = M x. The tail set is {x . P x <= c} with M^T P M - s^2 P = -s^2 Q, where s^2 is the spectral
-radius of M and Q the energy: in it the linear loop shrinks x . P x by s^2 in each period. The level c is the
-largest at which
+x+ = M x. The tail set is {x . P x <= c} with M^T P M - r P = -r Q, where r is the spectral radius
+of M and Q the energy: each period of the linear loop shrinks x . P x by r at least. The level c is
+the largest at which
 
 - torque, momentum, condition (4) and the invariant set are kept everywhere in it: by bounds,
-- the true, nonlinear loop shrinks x . P x: by `SAMPLES` samples on `SHELLS` shells.
+- the true, nonlinear loop shrinks x . P x, by (1 + r)/2 at least: by `SAMPLES` samples on `SHELLS`
+  shells.
 
 Once a prediction is in the tail set it stays there, so that nothing beyond that step can violate.
 
@@ -108,6 +109,10 @@ class Tail:
     radius: float
     growth: float
 
+    def level_within(self, angle: float) -> float:
+        """Level of the largest subset in which the angle of E is at most ``angle`` [rad]."""
+        return min(self.level, (angle / self.widest) ** 2)
+
     def packed(self) -> Array:
         """Return the array (7, 6) of the kernels."""
         rows = np.zeros((7, 6))
@@ -182,10 +187,10 @@ def horizon_of(loop: Loop, limits: Limits, tail: Tail, level: float) -> int:
     decay = 2.0 * math.log(tail.radius) if tail.radius > 0.0 else -math.inf
     due = math.ceil(math.log(level / (turned + fast) ** 2) / decay)
     starts = border(f, limits.level, FLIGHTS)
-    flown = kernels.longest_arrival(*loop.arguments, tail.packed(), level, starts, MOST_STEPS)
+    flown = int(kernels.longest_arrival(*loop.arguments, tail.packed(), level, starts, MOST_STEPS))
     if flown < 0:
         raise ParameterError(
-            f"lyapunov_level: received {limits.level:g} J, in which a flight does not settle within "
+            f"lyapunov_level: received {limits.level:g} J, in which a flight does not settle in "
             f"{MOST_STEPS} steps; required a level, and a torque limit of the controller, at which "
             "the loop converges; lower lyapunov_level, or set nmpc_controller.max_torque: 0.0"
         )
@@ -207,7 +212,7 @@ def border(feedback: AttitudeFeedback, level: float, n: int) -> Array:
 
 
 def ball(n: int, d: int, shells: int) -> Array:
-    """Return ``n`` points (n, d) of the unit ball, spread over the directions of ``shells`` shells."""
+    """Return ``n`` points (n, d) of the unit ball, spread over ``shells`` spheres."""
     radii = (1.0 + np.arange(n) % shells) / shells
     return np.asarray(radii[:, None] * _directions(kronecker(n, d)))
 

@@ -13,6 +13,8 @@ _NEWTON: Final = ("shooting", "neighboring_extremal")
 _NEIGHBORING: Final = ("neighboring_extremal",)
 _TERMINAL_SET: Final = ("terminal_set",)
 _PENALISED: Final = ("shooting", "neighboring_extremal", "slsqp", "fsolve")
+_OPTIMAL: Final = (*_PENALISED, *_TERMINAL_SET)
+_FEEDBACK: Final = ("feedback",)
 READERS: Final = {
     "formulation": _NEWTON,
     "step_rule": _NEWTON,
@@ -32,6 +34,13 @@ READERS: Final = {
     "torque_penalty": _PENALISED,
     "actuators": _PENALISED,
     "standstill_error_deg": _PENALISED,
+    "weights.stage_attitude": _OPTIMAL,
+    "weights.stage_torque": _OPTIMAL,
+    "horizon": _OPTIMAL,
+    "residual_tolerance": _OPTIMAL,
+    "max_iterations": _OPTIMAL,
+    "feedback_attitude_gain": _FEEDBACK,
+    "feedback_momentum_gain": _FEEDBACK,
 }
 """Parameter -> built-in methods that read it; those that all read are absent."""
 _OF_A_NOMINAL_RUN: Final = ("nominal_momentum", "exact_every")
