@@ -23,6 +23,7 @@ from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Matrix3, Vector3
 
 _NEVER = -1
+_ACTIVATE = "required an active one; try again later"
 
 
 class _Received(NamedTuple):
@@ -58,11 +59,13 @@ class GovernorNode(GncNode):
         self._governor.warm_up()
         self._worker: Worker[_Job, Any] | None = None
         self._status = GovernorStatusEncoder()
-        self._watch = GovernorWatch(
-            math.radians(scenario.governor.slew_tolerance_deg),
-            scenario.governor.slew_rate_tolerance,
+        parameters = scenario.governor
+        self._tolerances = (
+            math.radians(parameters.slew_tolerance_deg),
+            parameters.slew_rate_tolerance,
         )
-        self._step = _NEVER
+        self._watch = GovernorWatch(*self._tolerances)
+        self._step = self._received_step = _NEVER
 
     def open(self) -> None:
         """Create the endpoints."""
