@@ -16,6 +16,7 @@ from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.schema import NODE_NAMES
 
 PLANT: Final = "plant"
+GOVERNOR: Final = "reference_governor"
 RECORDER: Final = "recorder"
 COMPOSED: Final = "graph"
 """Name of the process that hosts all nodes in a composed launch."""
@@ -97,6 +98,8 @@ def make_plan(
             f"{path}: launcher.nodes: received {list(nodes)}; required the plant among them, which "
             f"owns simulated time; use {list(NODE_NAMES)}"
         )
+    if GOVERNOR in nodes:
+        scenario.check_governor()
     folder = _make_folder(path, out)
     peers = [node for node in nodes if node != PLANT]
     changes: dict[str, Any] = {}

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.declare import flatten, unflatten
+from spacecraft_gnc.scenario.declare import flatten, known_names, unflatten
 from spacecraft_gnc.scenario.parameter import Value
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem
+from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, problem_of
 from spacecraft_gnc.scenario.schema import (
     ControllerParameters,
     GovernorParameters,
@@ -94,8 +95,37 @@ class Scenario:
         return cast("Controller", registry.create("controllers", self.controller.method, self))
 
     def build_governor(self) -> Governor:
-        """Return the governor named by ``reference_governor.governor``."""
-        return cast("Governor", registry.create("governors", self.governor.governor, self))
+        """Return the governor named by ``reference_governor.governor``.
+
+        Raises
+        ------
+        InvalidScenario
+            With what the governor refuses, such as a start from which its prediction violates a
+            limit.
+        """
+        section, name = "reference_governor", self.governor.governor
+        if name == "attitude":
+            self._require("nmpc_controller.inertia", self.controller.inertia)
+        try:
+            return cast("Governor", registry.create("governors", name, self))
+        except InvalidScenario:
+            raise
+        except GncError as error:
+            problem = problem_of(error, self.path, section, known_names(section))
+            if problem is None:
+                raise
+            raise InvalidScenario([problem]) from error
+
+    def check_governor(self) -> None:
+        """Have the governor, where there is one, refuse what no value shows by itself.
+
+        Raises
+        ------
+        GncError
+            As `build_governor` does.
+        """
+        if self.governor.governor != "none":
+            self.build_governor()
 
     def to_yaml(self, defaults: bool = False) -> str:
         """Return a ROS 2 parameter file that loads as this scenario.
