@@ -66,7 +66,11 @@ setup(
             f"neighboring_extremal = {NAME}.loop.neighboring:NeighboringExtremalController",
             f"slsqp = {NAME}.loop.controllers:SlsqpController",
             f"fsolve = {NAME}.loop.controllers:FsolveController",
+            f"feedback = {NAME}.loop.feedback:FeedbackController",
         ],
-        f"{NAME}.governors": [f"none = {NAME}.governors.pass_through:PassThroughGovernor"],
+        f"{NAME}.governors": [
+            f"none = {NAME}.governors.pass_through:PassThroughGovernor",
+            f"attitude = {NAME}.governors.attitude:AttitudeGovernor",
+        ],
     },
 )

@@ -182,15 +182,22 @@ def propagate(body, h, attitudes, momenta, torques, n):
 
 
 @kernel
-def advance(body, h, state, n):
-    """Advance ``state`` (5, 3), rows R, Pi, u, in place by n steps of the held torque u."""
-    R, Pi, u = load9_rows(state, 0), load3(state, 3), load3(state, 4)
+def held(body, h, R, Pi, u, n):
+    """R, Pi after up to n steps of the held torque u, and how many of them exist."""
     for k in range(n):
         q0, q, ok = relative_quaternion(body, h, Pi)
         if not ok:
-            return k
+            return R, Pi, k
         R = polished(rotate_rows(q0, q, R))
         Pi = add(rotate_back(q0, q, Pi), scale(h, u))
-    store9_rows(state, 0, R)
-    store3(state, 3, Pi)
-    return n
+    return R, Pi, n
+
+
+@kernel
+def advance(body, h, state, n):
+    """Advance ``state`` (5, 3), rows R, Pi, u, in place by n steps of the held torque u."""
+    R, Pi, done = held(body, h, load9_rows(state, 0), load3(state, 3), load3(state, 4), n)
+    if done == n:
+        store9_rows(state, 0, R)
+        store3(state, 3, Pi)
+    return done

@@ -21,7 +21,6 @@ from spacecraft_gnc.ocp import (
     NeighboringExtremal,
     NeighboringOptions,
     PenaltyContinuation,
-    PointingZone,
     ShootingOptions,
     ShootingSolver,
     SlsqpSolver,
@@ -30,6 +29,7 @@ from spacecraft_gnc.ocp import (
     Weights,
     linearize,
 )
+from spacecraft_gnc.ocp.zones import zones_of
 from spacecraft_gnc.types import Array, ArrayLike
 
 if TYPE_CHECKING:
@@ -240,15 +240,6 @@ def problem_of(scenario: Scenario) -> AttitudeOcp:
         ),
         max_torque=c.max_torque,
         torque_penalty=c.torque_penalty,
-        zones=tuple(
-            PointingZone(
-                "inclusion" if zone.kind == "inclusion" else "exclusion",
-                zone.body_axis,
-                zone.inertial_axis,
-                math.radians(zone.half_angle_deg),
-                zone.penalty,
-            )
-            for zone in c.zones
-        ),
+        zones=zones_of(scenario),
         actuators=c.actuators if c.actuators.size else None,
     )

@@ -6,54 +6,18 @@ optimal -> neighbouring extremal -> shifted plan -> saturated feedback -> zero t
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from spacecraft_gnc import lie
+from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
 from spacecraft_gnc.ocp import AttitudeOcp, Solution
 from spacecraft_gnc.ocp.linearization import Linearization, deviation, linearize
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
-from spacecraft_gnc.types import Matrix3, Vector3
+from spacecraft_gnc.types import Vector3
 
-# Bandwidth of the fallback law in units of 1/period: slow enough for any sampled double integrator.
-FALLBACK_BANDWIDTH = 0.05
 # Attitude [rad] off the plan up to which its neighbouring extremal is trusted.
 NEIGHBORHOOD = 0.2
-
-
-@dataclass(frozen=True, slots=True)
-class SaturatedFeedback:
-    """T = -K Pi - e, scaled down to the torque limit where it exceeds it.
-
-    hat(e) = A E - E^T A with E = R_ref^T R. Source: Kalabic et al. 2014, (8)-(10), with
-    A = J omega^2 / 2 and K = 2 omega (critical damping) for one bandwidth omega.
-
-    Attributes
-    ----------
-    inertia : (3, 3) array
-        [kg m^2]
-    bandwidth : float
-        omega [rad/s].
-    max_torque : float
-        Limit on |T| [N m]; 0 means none.
-    """
-
-    inertia: Matrix3
-    bandwidth: float
-    max_torque: float
-
-    def torque(self, state: State, reference: Reference) -> Vector3:
-        """Return the body torque (3,) [N m] at ``state`` towards ``reference``."""
-        stiffness = 0.5 * self.bandwidth**2 * self.inertia
-        relative = reference.attitude.T @ state.attitude
-        e = 2.0 * lie.vee(stiffness @ relative)  # vee takes the antisymmetric half
-        torque = -2.0 * self.bandwidth * state.momentum - e
-        size = float(np.linalg.norm(torque))
-        if 0.0 < self.max_torque < size:
-            torque *= self.max_torque / size
-        return np.asarray(torque)
 
 
 class FallbackLadder:
@@ -67,8 +31,9 @@ class FallbackLadder:
 
     def __init__(self, ocp: AttitudeOcp) -> None:
         self._ocp = ocp
-        bandwidth = FALLBACK_BANDWIDTH / ocp.time_step
-        self._feedback = SaturatedFeedback(ocp.body.inertia, bandwidth, ocp.max_torque)
+        self._feedback = AttitudeFeedback.critically_damped(
+            ocp.body.inertia, ocp.time_step, ocp.max_torque
+        )
         self.reset()
 
     def reset(self) -> None:
@@ -90,7 +55,7 @@ class FallbackLadder:
             if torque is not None:
                 return Command(torque, Source.NEIGHBORING_EXTREMAL, solution)
             return Command(self._plan.torques[ahead], Source.SHIFTED_PLAN, solution)
-        torque = self._ocp.realizable(self._feedback.torque(state, reference))
+        torque = self._ocp.realizable(self._feedback.torque(state, reference.attitude))
         if math.isfinite(float(torque @ torque)):
             return Command(torque, Source.FEEDBACK, solution)
         return Command(np.zeros(3), Source.ZERO, solution)

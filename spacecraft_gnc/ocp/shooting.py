@@ -133,6 +133,8 @@ class ShootingSolver:
         What ``auto`` came to.
     work
         Problem and work space, as the kernels of this package share them.
+    settings
+        Formulation, step rule and tolerances, as the kernels of this package take them.
 
     Notes
     -----
@@ -154,7 +156,7 @@ class ShootingSolver:
         self._shapes = horizon_shapes(n)
         arena = make_arena(ocp.body.packed, ocp.data, ocp.zone_rows, n)
         self.work = (arena, np.zeros(4, np.int64))
-        self._settings = (
+        self.settings = (
             self.formulation == "single_shooting",
             STEP_RULES.index(options.step_rule),
             options.damping,
@@ -212,7 +214,7 @@ class ShootingSolver:
         R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
         code, steps, residual, cost, curvature, largest, error, travel = solve(
-            x, guess, R, Pi, u, lam, margins, *self.work, *self._settings
+            x, guess, R, Pi, u, lam, margins, *self.work, *self.settings
         )
         if code in (BAD_STATE, BAD_REFERENCE):
             self._refuse(attitude, momentum, target)
@@ -279,7 +281,7 @@ class ShootingSolver:
     ) -> None:
         """Run the batch kernel on states (n, 4, 3) with this solver's problem and settings."""
         warm = self._cold[None] if warm_starts is None else warm_starts
-        solve_batch(states, reference, warm, *outputs, *self.work, *self._settings, numbers)
+        solve_batch(states, reference, warm, *outputs, *self.work, *self.settings, numbers)
 
     @property
     def kept(self) -> NDArray[np.int64]:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array, ArrayLike, require_positive, unit_vector
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,3 +69,17 @@ class PointingZone:
     def _cosine(self, attitudes: Array) -> Array:
         axes = (self.body_axis, attitudes, self.inertial_axis)
         return np.asarray(np.einsum("i,...ji,j->...", *axes))
+
+
+def zones_of(scenario: Scenario) -> tuple[PointingZone, ...]:
+    """Return the zones of a scenario's section ``nmpc_controller``."""
+    return tuple(
+        PointingZone(
+            "inclusion" if zone.kind == "inclusion" else "exclusion",
+            zone.body_axis,
+            zone.inertial_axis,
+            math.radians(zone.half_angle_deg),
+            zone.penalty,
+        )
+        for zone in scenario.controller.zones
+    )

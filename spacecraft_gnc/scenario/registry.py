@@ -40,8 +40,12 @@ BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
         ),
         "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController"),
         "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController"),
+        "feedback": BuiltIn("spacecraft_gnc.loop.feedback:FeedbackController"),
     },
-    "governors": {"none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor")},
+    "governors": {
+        "none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor"),
+        "attitude": BuiltIn("spacecraft_gnc.governors.attitude:AttitudeGovernor"),
+    },
 }
 KEYS: Final = {
     "plants": "plant.vehicle",

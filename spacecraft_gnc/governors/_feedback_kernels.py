@@ -1,0 +1,68 @@
+"""Kernels of the nominal controller; `feedback` documents the equations.
+
+``law`` is packed by `feedback.AttitudeFeedback`: A (9), K (9), the torque limit (infinity: none).
+``E`` is the attitude error V^T C.
+"""
+
+from __future__ import annotations
+
+import math
+
+from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc.dynamics._lgvi_kernels import body_inverse_inertia
+from spacecraft_gnc.lie._mat3_kernels import (
+    add,
+    dot,
+    load3,
+    load9_rows,
+    mat_mat,
+    mat_t_mat,
+    mat_vec,
+    scale,
+    store3,
+    vee_antisymmetric,
+)
+
+
+@kernel
+def attitude_gain(law):
+    """A of a packed law."""
+    return (law[0], law[1], law[2], law[3], law[4], law[5], law[6], law[7], law[8])
+
+
+@kernel
+def momentum_gain(law):
+    """K of a packed law."""
+    return (law[9], law[10], law[11], law[12], law[13], law[14], law[15], law[16], law[17])
+
+
+@kernel
+def feedback_torque(law, E, Pi):
+    """(9), (10): T = -(K Pi + e), hat(e) = A E - E^T A, scaled down to the limit."""
+    e = scale(2.0, vee_antisymmetric(mat_mat(attitude_gain(law), E)))
+    T = scale(-1.0, add(mat_vec(momentum_gain(law), Pi), e))
+    size = math.sqrt(dot(T, T))
+    return scale(law[18] / size, T) if size > law[18] else T
+
+
+@kernel
+def lyapunov(law, body, E, Pi):
+    """Pi . J^-1 Pi / 2 + tr(A (I - E)) (see `feedback.AttitudeFeedback.lyapunov`)."""
+    A = attitude_gain(law)
+    AE = mat_mat(A, E)
+    potential = (A[0] - AE[0]) + (A[4] - AE[4]) + (A[8] - AE[8])
+    return 0.5 * dot(Pi, mat_vec(body_inverse_inertia(body), Pi)) + potential
+
+
+@kernel
+def command(law, states, torque):
+    """Write the torque (1, 3) at ``states`` (7, 3): rows C, Pi, V."""
+    E = mat_t_mat(load9_rows(states, 4), load9_rows(states, 0))
+    store3(torque, 0, feedback_torque(law, E, load3(states, 3)))
+
+
+@kernel
+def level_at(law, body, states):
+    """Lyapunov function at ``states`` (7, 3): rows C, Pi, V."""
+    E = mat_t_mat(load9_rows(states, 4), load9_rows(states, 0))
+    return lyapunov(law, body, E, load3(states, 3))

@@ -1,0 +1,32 @@
+"""Kernels of pointing zones as a governor sees them; `reference_set` documents them.
+
+A row of ``zones`` (n, 8): body axis, inertial axis, half-angle, +1 (exclusion) or -1 (inclusion).
+"""
+
+from __future__ import annotations
+
+import math
+
+from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc.lie._mat3_kernels import dot, load3, load9_rows, mat_vec
+
+ZONE_SIZE = 8
+
+
+@kernel
+def zone_margin(zones, i, R):
+    """Angle from attitude R to the border of zone i; negative where violated."""
+    cosine = dot(load3(zones, i, 3), mat_vec(R, load3(zones, i)))
+    return zones[i, 7] * (math.acos(min(1.0, max(-1.0, cosine))) - zones[i, 6])
+
+
+@kernel
+def nearest_zone(zones, attitude):
+    """Smallest margin of an attitude (3, 3), and the zone that it belongs to (-1: no zones)."""
+    R = load9_rows(attitude, 0)
+    nearest, least = -1, math.inf
+    for i in range(zones.shape[0]):
+        margin = zone_margin(zones, i, R)
+        if not margin >= least:  # NaN counts as the smallest
+            nearest, least = i, margin
+    return least, nearest

@@ -1,0 +1,359 @@
+"""The reference governor on SO(3): the reference moves to the target as fast as the loop allows.
+
+Each step moves the reference along the shortest geodesic to the target,
+V_k = exp(alpha log(R V_{k-1}^T)) V_{k-1}, by the largest alpha in [0, 1] found by bisection for
+which the loop, predicted under V_k held for ever, keeps every constraint.
+
+Source: Kalabic et al. 2014, (11), (14), (15) and Algorithm 1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.governors._geodesic_kernels import along
+from spacecraft_gnc.governors.prediction import Planner, Prediction, Predictor
+from spacecraft_gnc.governors.reference_set import ReferenceSet
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    GovernorDecision,
+    Matrix3,
+    Reference,
+    State,
+    as_rotation,
+    read_only,
+)
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+
+# Room that a new reference needs, relative to each limit; what is held needs none.
+RESERVE = 1e-9
+# Angle [rad] off half a turn within which a target counts as a cut point of the reference.
+CUT_POINT = 1e-6
+# A loop that is that near to its reference [rad] for so many steps, and gains nothing, is stuck.
+_AT_REST = 1e-3
+_PATIENCE = 10
+_ZERO = read_only(np.zeros(3))
+
+
+class _Search(NamedTuple):
+    """Outcome of a bisection."""
+
+    alpha: float
+    reference: Matrix3
+    kept: Prediction | None
+    """Prediction under that reference; None where no new one is admissible."""
+    refused: Prediction | None
+    """Prediction of the smallest alpha refused; None where 1 is admissible."""
+    evaluations: int
+
+
+class AttitudeGovernor:
+    """Keep the loop behind it within its constraints by shaping its reference.
+
+    Parameters
+    ----------
+    predictor : Predictor
+        Flies the loop ahead.
+    reference_set : ReferenceSet
+        V of (12).
+    target : (3, 3) array
+        Attitude R that is finally wanted, body to inertial.
+    planner : Planner, optional
+        Finds intermediate references where a zone lies across the geodesic.
+    initial_reference : (3, 3) array, optional
+        V_{-1}; the attitude at the first step if absent.
+    alpha_tolerance : float
+        Interval of alpha at which the bisection ends.
+    cut_point_shift : float
+        epsilon of (15).
+
+    Raises
+    ------
+    ParameterError
+        If the target or the initial reference is outside the reference set, or a number outside
+        its range.
+
+    Notes
+    -----
+    Recursively feasible: the loop that is flown is the loop that was predicted, so the last
+    reference stays admissible. Where something else moved the body, it may not be: the last
+    reference is then held, and the decision says that it is not admissible.
+    """
+
+    name = "attitude"
+
+    def __init__(
+        self,
+        predictor: Predictor,
+        reference_set: ReferenceSet,
+        target: ArrayLike,
+        *,
+        planner: Planner | None = None,
+        initial_reference: ArrayLike | None = None,
+        alpha_tolerance: float = 1e-6,
+        cut_point_shift: float = 0.01,
+    ) -> None:
+        for name, value in (
+            ("alpha_tolerance", alpha_tolerance),
+            ("cut_point_shift", cut_point_shift),
+        ):
+            if not 0.0 < value < 1.0:
+                raise ParameterError(
+                    f"{name}: received {value!r}; required between 0 and 1; leave it out"
+                )
+        self.predictor = predictor
+        self.reference_set = reference_set
+        self.slow = predictor.slow
+        self._planner = planner
+        self._tolerance = alpha_tolerance
+        self._shift = cut_point_shift
+        self._initial_target = as_rotation("target", target)
+        reference_set.require("target", self._initial_target)
+        self._first: Matrix3 | None = None
+        if initial_reference is not None:
+            self._first = as_rotation("initial_reference", initial_reference)
+            reference_set.require("initial_reference", self._first)
+        self._axis = np.zeros((1, 3))
+        self.reset()
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> AttitudeGovernor:
+        """Build the governor of a scenario's section ``reference_governor``.
+
+        Raises
+        ------
+        GncError
+            If a parameter is refused, or the loop violates a constraint from its start even while
+            the initial reference is held.
+        """
+        g, reference_set = scenario.governor, ReferenceSet.from_scenario(scenario)
+        given = bool(np.isfinite(g.initial_reference_rotation_vector).all())
+        governor = cls(
+            _predictor_of(scenario, reference_set),
+            reference_set,
+            lie.exp(g.target_rotation_vector),
+            planner=_planner_of(scenario, reference_set),
+            initial_reference=lie.exp(g.initial_reference_rotation_vector) if given else None,
+            alpha_tolerance=g.alpha_tolerance,
+            cut_point_shift=g.cut_point_shift,
+        )
+        if "plant" in scenario.sections:
+            p = scenario.plant
+            start = State(0, lie.exp(p.initial_rotation_vector), np.array(p.initial_momentum))
+            governor.require_start(start)
+        return governor
+
+    @property
+    def target(self) -> Matrix3:
+        """Target attitude (3, 3), body to inertial."""
+        return self._target
+
+    def set_target(self, attitude: Matrix3) -> None:
+        """Take a new target attitude (3, 3), body to inertial.
+
+        Raises
+        ------
+        GncError
+            If it is no rotation, or outside the reference set, with the margin there; the last
+            target then stays.
+        """
+        target = as_rotation("target", attitude)
+        self.reference_set.require("target", target)
+        self._target = target
+        self._forget_route()
+
+    def require_start(self, state: State) -> None:
+        """Refuse a start from which the initial reference cannot even be held.
+
+        Raises
+        ------
+        ParameterError
+            With the constraint, the predicted step and the margin.
+        """
+        reference = state.attitude if self._first is None else self._first
+        self.reference_set.require("initial reference", reference)
+        found = self.predictor.predict(state, reference)
+        if not found.admissible:
+            raise ParameterError(
+                f"start: received a state from which holding the initial reference violates "
+                f"{found.constraint!r} at predicted step {found.violation_step}, with margin "
+                f"{found.margin:.6g}; required a start from which every constraint is kept; start "
+                "slower or nearer to the reference (initial_reference_rotation_vector), or widen "
+                "the limit"
+            )
+
+    def warm_up(self) -> None:
+        """Compile or load everything that `decide` needs."""
+        self.predictor.warm_up()
+        if self._planner is not None:
+            self._planner.warm_up()
+        along(self._axis, 0.0, np.eye(3), np.empty((3, 3)))
+        self.reference_set.contains(np.eye(3))
+
+    def reset(self) -> None:
+        """Return to the target and the reference of the start."""
+        self._target = self._initial_target
+        self._reference = self._first
+        self.predictor.reset()
+        self._forget_route()
+
+    def decide(self, state: State) -> GovernorDecision:
+        """Return the reference for the control step that starts at ``state``."""
+        if self._reference is None:
+            finite = np.isfinite(state.attitude).all()
+            start = lie.orthonormalize(state.attitude) if finite else self._target
+            if not finite:
+                return self._decision(start, 0.0, Prediction(False, math.nan, "", 0), None, 0)
+            self._reference = read_only(start)
+        held = self._reference
+        aim = self._aim(held)
+        if self._obstacle is not None:
+            return self._hold(state, held, 0, self._obstacle)
+        if np.array_equal(aim, held):
+            found = self.predictor.predict(state, held)
+            return self._decision(held, 1.0, found, None, 1)
+        search = self._search(state, held, aim)
+        self._note_progress(state, search, held)
+        if search.kept is None:
+            return self._hold(state, held, search.evaluations, search.refused)
+        self._reference = search.reference
+        if search.reference is aim and self._route:
+            self._route.pop(0)
+        return self._decision(
+            search.reference, search.alpha, search.kept, search.refused, search.evaluations
+        )
+
+    # --- Algorithm 1 ---------------------------------------------------------------------------
+
+    def _search(self, state: State, held: Matrix3, aim: Matrix3) -> _Search:
+        """Bisect for the largest admissible alpha between ``held`` and ``aim``."""
+        vector = lie.log(aim @ held.T)
+        angle = float(np.linalg.norm(vector))
+        end = aim
+        if angle > math.pi - CUT_POINT:  # (15): exp(-epsilon pi hat(N)) R
+            vector *= (1.0 - self._shift) * math.pi / angle
+            end = self._reference_at(1.0, held, vector)
+        found = self._try(state, end)
+        if found.admissible:
+            return _Search(1.0, end, found, None, 1)
+        least, most, evaluations = 0.0, 1.0, 1
+        best, kept, refused = held, None, found
+        while most - least > self._tolerance:
+            alpha = least + 0.5 * (most - least)
+            candidate = self._reference_at(alpha, held, vector)
+            found = self._try(state, candidate)
+            evaluations += 1
+            if found.admissible:
+                least, best, kept = alpha, candidate, found
+            else:
+                most, refused = alpha, found
+        return _Search(least, best, kept, refused, evaluations)
+
+    def _reference_at(self, alpha: float, held: Matrix3, vector: Array) -> Matrix3:
+        self._axis[0] = vector
+        reference = np.empty((3, 3))
+        along(self._axis, alpha, held, reference)
+        return read_only(reference)
+
+    def _try(self, state: State, candidate: Matrix3) -> Prediction:
+        """Predict under a new reference, which has to belong to the reference set as well."""
+        margin, zone = self.reference_set.margin(candidate)
+        room = margin - self.reference_set.steady_margin
+        if not room >= 0.0:  # at rest, beyond every predicted step
+            return Prediction(False, room, zone, self.predictor.horizon)
+        return self.predictor.predict(state, candidate, RESERVE)
+
+    def _hold(
+        self, state: State, held: Matrix3, evaluations: int, refused: Prediction | None
+    ) -> GovernorDecision:
+        found = self.predictor.predict(state, held)
+        return self._decision(held, 0.0, found, refused, evaluations + 1)
+
+    def _decision(
+        self,
+        reference: Matrix3,
+        alpha: float,
+        found: Prediction,
+        refused: Prediction | None,
+        evaluations: int,
+    ) -> GovernorDecision:
+        named = refused if found.admissible else found
+        return GovernorDecision(
+            Reference(reference, _ZERO, _ZERO),
+            alpha,
+            found.admissible,
+            found.margin,
+            "" if named is None else named.constraint,
+            evaluations,
+            -1 if named is None else named.violation_step,
+            self.predictor.horizon,
+            len(self._route),
+        )
+
+    # --- the way round -------------------------------------------------------------------------
+
+    def _forget_route(self) -> None:
+        self._route: list[Matrix3] = []
+        self._obstacle: Prediction | None = None  # what bars the way where there is no way round
+        self._planned_from: Matrix3 | None = None
+        self._idle = 0
+
+    def _aim(self, held: Matrix3) -> Matrix3:
+        """Return the attitude to head for: the next intermediate reference, or the target."""
+        if self._planner is not None and self._planned_from is None:
+            self._planned_from = held
+            if not self._planner.is_clear(held, self._target):
+                self._plan(held)
+        while self._route and np.array_equal(self._route[0], held):
+            self._route.pop(0)
+        return self._route[0] if self._route else self._target
+
+    def _plan(self, held: Matrix3) -> None:
+        """Ask for a way round from ``held``; once for each reference at which nothing moves."""
+        if self._planner is None:
+            return
+        self._planned_from = held
+        way = self._planner.plan(held, self._target)
+        self._route = [] if way is None else [read_only(np.array(turn)) for turn in way]
+        self._obstacle = self._nearest_obstacle(held) if way is None else None
+
+    def _nearest_obstacle(self, held: Matrix3) -> Prediction:
+        """Return the zone that the geodesic to the target runs deepest into, as a refusal."""
+        vector = lie.log(self._target @ held.T)
+        turns = [self._reference_at(s, held, vector) for s in np.linspace(0.0, 1.0, 65)]
+        margin, zone = min(self.reference_set.margin(turn) for turn in turns)
+        room = margin - self.reference_set.steady_margin
+        return Prediction(False, room, zone, self.predictor.horizon)
+
+    def _note_progress(self, state: State, search: _Search, held: Matrix3) -> None:
+        """Count the steps at which nothing moves; plan once where they add up."""
+        resting = lie.angle_between(state.attitude, held) < _AT_REST
+        self._idle = self._idle + 1 if search.kept is None and resting else 0
+        if self._idle >= _PATIENCE and self._planned_from is not held:
+            self._plan(held)
+
+
+def _predictor_of(scenario: Scenario, reference_set: ReferenceSet) -> Predictor:
+    if scenario.controller.method == "feedback":
+        from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
+
+        return FeedbackPredictor.from_scenario(scenario, reference_set)
+    from spacecraft_gnc.governors.controller_loop import ControllerLoopPredictor
+
+    return ControllerLoopPredictor.from_scenario(scenario)
+
+
+def _planner_of(scenario: Scenario, reference_set: ReferenceSet) -> Planner | None:
+    if not scenario.governor.route or not reference_set.zones:
+        return None
+    from spacecraft_gnc.governors.route import RoutePlanner
+
+    return RoutePlanner(reference_set, math.radians(scenario.governor.route_clearance_deg))

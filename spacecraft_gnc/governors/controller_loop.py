@@ -1,0 +1,242 @@
+"""The predicted loop of any controller: what a governor in front of it looks ahead with.
+
+A controller of the scenario's own kind is flown from the given state under the constant reference
+until it settles (`settling`), violates a constraint, or the horizon ends. What a solver's short
+horizon cannot see, a zone far ahead, a standstill, a momentum limit, this sees.
+
+Zones count with their whole angle, without the softness of a solver's penalty, at the control
+steps. A command that does not come from a good solve is a violation, and so is a flight that has
+not settled when the horizon ends: an admissible reference is one that the loop reaches.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.governors._flight_kernels import (
+    CONDITION,
+    CONVERGENCE,
+    ONWARD,
+    SOLVER,
+    TORQUE,
+    examine,
+    fly,
+    violates,
+)
+from spacecraft_gnc.governors.prediction import Prediction
+from spacecraft_gnc.governors.reference_set import ReferenceSet
+from spacecraft_gnc.governors.settling import OneStep, settled_set
+from spacecraft_gnc.ocp import ShootingSolver
+from spacecraft_gnc.types import Array, Matrix3, Reference, State
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.protocols import Controller
+    from spacecraft_gnc.scenario import Scenario
+
+LAST_GOOD_SOURCE = 1  # loop.protocols.Source.NEIGHBORING_EXTREMAL, whose layer lies above
+CONSTRAINTS = (
+    "torque limit",
+    "momentum limit",
+    "momentum condition (4)",
+    "convergence",
+    "solver",
+)
+
+
+class ControllerLoopPredictor:
+    """Predicts the closed loop of a controller and a rigid body.
+
+    Parameters
+    ----------
+    controller : Controller
+        One of its own, that flies nothing else: it is reset for every prediction.
+    body : RigidBody
+        The plant's inertia and integrator step.
+    substeps : int
+        Integrator steps in one control period.
+    reference_set : ReferenceSet
+        The zones, with their names.
+    target : (3, 3) array
+        Attitude, body to inertial, at which the loop's settling is measured.
+    max_torque, max_momentum : float
+        Limits on the norms of torque [N m] and angular momentum [N m s]; 0: none.
+    horizon : int
+        Most steps of a prediction; 0: from the decay of the loop (`SettledSet.horizon`).
+
+    Raises
+    ------
+    ParameterError
+        If the loop does not settle at rest at the target, or a limit or the horizon is negative.
+
+    Attributes
+    ----------
+    settled : SettledSet
+        Where a prediction ends well.
+    """
+
+    slow = True
+
+    def __init__(
+        self,
+        controller: Controller,
+        body: RigidBody,
+        substeps: int,
+        reference_set: ReferenceSet,
+        target: Matrix3,
+        *,
+        max_torque: float = 0.0,
+        max_momentum: float = 0.0,
+        horizon: int = 0,
+    ) -> None:
+        if min(max_torque, max_momentum, horizon) < 0.0:
+            raise ParameterError(
+                f"max_torque, max_momentum, horizon: received {max_torque}, {max_momentum}, "
+                f"{horizon}; required at least 0 each; give 0 for no limit"
+            )
+        self._controller, self._body, self._substeps = controller, body, substeps
+        self._set = reference_set
+        self._names = (*reference_set.names, *CONSTRAINTS)
+        step = OneStep(controller, body, substeps, np.asarray(target))
+        self.settled = settled_set(step, max_torque, max_momentum)
+        self.horizon = horizon or self.settled.horizon
+        self._limits = np.array([max_torque, max_momentum, self.settled.level])
+        self._rows = np.empty((7, 3))
+        self._worst = np.empty(3)
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> ControllerLoopPredictor:
+        """Build the predictor of a scenario's loop, compiled where its method has that."""
+        c, g = scenario.controller, scenario.governor
+        controller = scenario.build_controller()
+        solver = getattr(controller, "solver", None)
+        compiled = c.method == "shooting" and isinstance(solver, ShootingSolver)
+        kind = ShootingLoopPredictor if compiled else cls
+        return kind(
+            controller,
+            RigidBody(scenario.plant.inertia, scenario.plant.time_step),
+            scenario.substeps,
+            ReferenceSet.from_scenario(scenario),
+            lie.exp(g.target_rotation_vector),
+            max_torque=g.max_torque,
+            max_momentum=g.max_momentum,
+            horizon=g.prediction_horizon,
+        )
+
+    def warm_up(self) -> None:
+        """Load everything that a prediction needs."""
+        self._controller.warm_up()
+        self.predict(State(0, np.eye(3), np.full(3, 1e-9)), lie.exp(np.array([0.1, 0.0, 0.0])))
+
+    def reset(self) -> None:
+        """Nothing to forget: every prediction starts afresh."""
+
+    def predict(self, state: State, reference: Matrix3, reserve: float = 0.0) -> Prediction:
+        """Fly the loop from ``state`` under ``reference`` (3, 3); see `prediction.Predictor`."""
+        rows, worst = self._rows, self._worst
+        rows[:3], rows[3], rows[4:] = state.attitude, state.momentum, reference
+        worst[:] = math.inf, math.inf, -1.0
+        margin, _ = self._set.margin(reference)
+        self._limits[2] = self.settled.level_at(margin - reserve)
+        found, step = self._fly(state.step, reserve)
+        if found < 0 and found != ONWARD:
+            name = self._names[int(worst[2])] if worst[2] >= 0.0 else ""
+            return Prediction(True, float(worst[1]), name, -1)
+        if found == ONWARD:
+            found = len(self._set.names) + CONVERGENCE
+        return Prediction(False, self._shortfall(found), self._names[found], step)
+
+    def _fly(self, first: int, reserve: float) -> tuple[int, int]:
+        """Fly from ``rows``; return what `examine` says at the end, and the step."""
+        self._controller.reset()
+        rows, n = self._rows, len(self._set.names)
+        zero = np.zeros(3)
+        reference = Reference(rows[4:].copy(), zero, zero)
+        for k in range(self.horizon + 1):
+            found = self._examine(reserve)
+            if found != ONWARD or k == self.horizon:
+                break
+            state = State(first + k, rows[:3].copy(), rows[3].copy())
+            command = self._controller.command(state, reference)
+            if command.source > LAST_GOOD_SOURCE:
+                return n + SOLVER, k
+            limit, size = float(self._limits[0]), float(np.linalg.norm(command.torque))
+            if limit > 0.0 and violates(self._worst, limit - size, limit, reserve, n + TORQUE):
+                return n + TORQUE, k
+            try:
+                rows[:3], rows[3] = self._body.step(
+                    state.attitude, state.momentum, command.torque, self._substeps
+                )
+            except ParameterError:  # no further step exists
+                return n + CONDITION, k + 1
+        return found, k
+
+    def _examine(self, reserve: float) -> int:
+        body = (self._body.packed, self._body.time_step)
+        zones, metric = self._set.rows, self.settled.metric
+        return int(examine(self._rows, *body, zones, self._limits, metric, reserve, self._worst))
+
+    def _shortfall(self, found: int) -> float:
+        """Margin of the constraint violated, in its own unit."""
+        kind = found - len(self._set.names)
+        if kind == CONDITION:  # [s]
+            return self._body.largest_time_step(self._rows[3]) - self._body.time_step
+        if kind in (CONVERGENCE, SOLVER):  # [rad] still to go
+            return -lie.angle_between(self._rows[:3], self._rows[4:])
+        return float(self._worst[1])
+
+
+class ShootingLoopPredictor(ControllerLoopPredictor):
+    """The same for ``method: shooting``, flown in one call of compiled code.
+
+    Where a solve fails there, the controller itself flies, with all that it tries. The compiled
+    loop does not count on the escape from an unstable standstill (`loop.standstill`): a reference
+    that needs one is refused.
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        body: RigidBody,
+        substeps: int,
+        reference_set: ReferenceSet,
+        target: Matrix3,
+        *,
+        max_torque: float = 0.0,
+        max_momentum: float = 0.0,
+        horizon: int = 0,
+    ) -> None:
+        super().__init__(
+            controller, body, substeps, reference_set, target,
+            max_torque=max_torque, max_momentum=max_momentum, horizon=horizon,
+        )  # fmt: skip
+        solver = getattr(controller, "solver", None)
+        if not isinstance(solver, ShootingSolver):
+            raise ParameterError(
+                f"controller: received one without a ShootingSolver ({controller.name!r}); "
+                "required method shooting; use ControllerLoopPredictor"
+            )
+        n = solver.ocp.horizon
+        self._solver = solver
+        self._buffers: tuple[Array, ...] = (
+            np.zeros((2, n, 6)), np.empty((n + 1, 3, 3)), np.empty((n + 1, 3)), np.empty((n, 3)),
+            np.empty((n + 1, 6)), np.empty(len(solver.ocp.zones)),
+        )  # fmt: skip
+        self._room = np.empty((5, 3))
+
+    def _fly(self, first: int, reserve: float) -> tuple[int, int]:
+        start = self._rows.copy()
+        found, step = fly(
+            self._rows, *self._buffers, *self._solver.work, *self._solver.settings,
+            self._body.packed, self._body.time_step, self._substeps, self._set.rows,
+            self._limits, self.settled.metric, reserve, self.horizon, self._room, self._worst,
+        )  # fmt: skip
+        if found == len(self._set.names) + SOLVER:
+            self._rows[:] = start
+            return super()._fly(first, reserve)
+        return int(found), int(step)

@@ -1,0 +1,55 @@
+"""The nominal controller behind the `Controller` protocol."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from spacecraft_gnc.governors.feedback import AttitudeFeedback
+from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+
+
+class FeedbackController:
+    """``method: feedback``: T = -K Pi - e, Kalabic et al. 2014, (8)-(10).
+
+    Parameters
+    ----------
+    feedback : AttitudeFeedback
+    period : float
+        Control period [s].
+
+    Notes
+    -----
+    A state or a reference that is not finite gives zero torque.
+    """
+
+    name = "feedback"
+    slow = False
+
+    def __init__(self, feedback: AttitudeFeedback, period: float) -> None:
+        self.feedback = feedback
+        self.period = period
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> FeedbackController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        return cls(AttitudeFeedback.from_scenario(scenario), scenario.period)
+
+    def warm_up(self) -> None:
+        """Load the kernel."""
+        self.feedback.torque(State(0, np.eye(3), np.zeros(3)), np.eye(3))
+
+    def reset(self) -> None:
+        """Nothing is remembered."""
+
+    def command(self, state: State, reference: Reference) -> Command:
+        """Torque for the control step that starts at ``state``."""
+        torque = self.feedback.torque(state, reference.attitude)
+        if math.isfinite(float(torque @ torque)):
+            return Command(torque, Source.FEEDBACK, None)
+        return Command(np.zeros(3), Source.ZERO, None)
