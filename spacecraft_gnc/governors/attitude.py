@@ -10,17 +10,16 @@ Source: Kalabic et al. 2014, (11), (14), (15) and Algorithm 1.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.governors._geodesic_kernels import along
 from spacecraft_gnc.governors.prediction import Planner, Prediction, Predictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
+from spacecraft_gnc.governors.search import GeodesicSearch, Step
 from spacecraft_gnc.types import (
-    Array,
     ArrayLike,
     GovernorDecision,
     Matrix3,
@@ -33,26 +32,10 @@ from spacecraft_gnc.types import (
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
-# Room that a new reference needs, relative to each limit; what is held needs none.
-RESERVE = 1e-9
-# Angle [rad] off half a turn within which a target counts as a cut point of the reference.
-CUT_POINT = 1e-6
 # A loop that is that near to its reference [rad] for so many steps, and gains nothing, is stuck.
 _AT_REST = 1e-3
 _PATIENCE = 10
 _ZERO = read_only(np.zeros(3))
-
-
-class _Search(NamedTuple):
-    """Outcome of a bisection."""
-
-    alpha: float
-    reference: Matrix3
-    kept: Prediction | None
-    """Prediction under that reference; None where no new one is admissible."""
-    refused: Prediction | None
-    """Prediction of the smallest alpha refused; None where 1 is admissible."""
-    evaluations: int
 
 
 class AttitudeGovernor:
@@ -101,27 +84,17 @@ class AttitudeGovernor:
         alpha_tolerance: float = 1e-6,
         cut_point_shift: float = 0.01,
     ) -> None:
-        for name, value in (
-            ("alpha_tolerance", alpha_tolerance),
-            ("cut_point_shift", cut_point_shift),
-        ):
-            if not 0.0 < value < 1.0:
-                raise ParameterError(
-                    f"{name}: received {value!r}; required between 0 and 1; leave it out"
-                )
         self.predictor = predictor
         self.reference_set = reference_set
         self.slow = predictor.slow
         self._planner = planner
-        self._tolerance = alpha_tolerance
-        self._shift = cut_point_shift
+        self._search = GeodesicSearch(predictor, reference_set, alpha_tolerance, cut_point_shift)
         self._initial_target = as_rotation("target", target)
         reference_set.require("target", self._initial_target)
         self._first: Matrix3 | None = None
         if initial_reference is not None:
             self._first = as_rotation("initial_reference", initial_reference)
             reference_set.require("initial_reference", self._first)
-        self._axis = np.zeros((1, 3))
         self.reset()
 
     @classmethod
@@ -195,8 +168,7 @@ class AttitudeGovernor:
         self.predictor.warm_up()
         if self._planner is not None:
             self._planner.warm_up()
-        along(self._axis, 0.0, np.eye(3), np.empty((3, 3)))
-        self.reference_set.contains(np.eye(3))
+        self._search.warm_up()
 
     def reset(self) -> None:
         """Return to the target and the reference of the start."""
@@ -220,56 +192,14 @@ class AttitudeGovernor:
         if np.array_equal(aim, held):
             found = self.predictor.predict(state, held)
             return self._decision(held, 1.0, found, None, 1)
-        search = self._search(state, held, aim)
-        self._note_progress(state, search, held)
-        if search.kept is None:
-            return self._hold(state, held, search.evaluations, search.refused)
-        self._reference = search.reference
-        if search.reference is aim and self._route:
+        step = self._search.step(state, held, aim)
+        self._note_progress(state, step, held)
+        if step.kept is None:
+            return self._hold(state, held, step.evaluations, step.refused)
+        self._reference = step.reference
+        if step.reference is aim and self._route:
             self._route.pop(0)
-        return self._decision(
-            search.reference, search.alpha, search.kept, search.refused, search.evaluations
-        )
-
-    # --- Algorithm 1 ---------------------------------------------------------------------------
-
-    def _search(self, state: State, held: Matrix3, aim: Matrix3) -> _Search:
-        """Bisect for the largest admissible alpha between ``held`` and ``aim``."""
-        vector = lie.log(aim @ held.T)
-        angle = float(np.linalg.norm(vector))
-        end = aim
-        if angle > math.pi - CUT_POINT:  # (15): exp(-epsilon pi hat(N)) R
-            vector *= (1.0 - self._shift) * math.pi / angle
-            end = self._reference_at(1.0, held, vector)
-        found = self._try(state, end)
-        if found.admissible:
-            return _Search(1.0, end, found, None, 1)
-        least, most, evaluations = 0.0, 1.0, 1
-        best, kept, refused = held, None, found
-        while most - least > self._tolerance:
-            alpha = least + 0.5 * (most - least)
-            candidate = self._reference_at(alpha, held, vector)
-            found = self._try(state, candidate)
-            evaluations += 1
-            if found.admissible:
-                least, best, kept = alpha, candidate, found
-            else:
-                most, refused = alpha, found
-        return _Search(least, best, kept, refused, evaluations)
-
-    def _reference_at(self, alpha: float, held: Matrix3, vector: Array) -> Matrix3:
-        self._axis[0] = vector
-        reference = np.empty((3, 3))
-        along(self._axis, alpha, held, reference)
-        return read_only(reference)
-
-    def _try(self, state: State, candidate: Matrix3) -> Prediction:
-        """Predict under a new reference, which has to belong to the reference set as well."""
-        margin, zone = self.reference_set.margin(candidate)
-        room = margin - self.reference_set.steady_margin
-        if not room >= 0.0:  # at rest, beyond every predicted step
-            return Prediction(False, room, zone, self.predictor.horizon)
-        return self.predictor.predict(state, candidate, RESERVE)
+        return self._decision(step.reference, step.alpha, step.kept, step.refused, step.evaluations)
 
     def _hold(
         self, state: State, held: Matrix3, evaluations: int, refused: Prediction | None
@@ -323,20 +253,12 @@ class AttitudeGovernor:
         self._planned_from = held
         way = self._planner.plan(held, self._target)
         self._route = [] if way is None else [read_only(np.array(turn)) for turn in way]
-        self._obstacle = self._nearest_obstacle(held) if way is None else None
+        self._obstacle = self._search.obstacle(held, self._target) if way is None else None
 
-    def _nearest_obstacle(self, held: Matrix3) -> Prediction:
-        """Return the zone that the geodesic to the target runs deepest into, as a refusal."""
-        vector = lie.log(self._target @ held.T)
-        turns = [self._reference_at(s, held, vector) for s in np.linspace(0.0, 1.0, 65)]
-        margin, zone = min(self.reference_set.margin(turn) for turn in turns)
-        room = margin - self.reference_set.steady_margin
-        return Prediction(False, room, zone, self.predictor.horizon)
-
-    def _note_progress(self, state: State, search: _Search, held: Matrix3) -> None:
+    def _note_progress(self, state: State, step: Step, held: Matrix3) -> None:
         """Count the steps at which nothing moves; plan once where they add up."""
         resting = lie.angle_between(state.attitude, held) < _AT_REST
-        self._idle = self._idle + 1 if search.kept is None and resting else 0
+        self._idle = self._idle + 1 if step.kept is None and resting else 0
         if self._idle >= _PATIENCE and self._planned_from is not held:
             self._plan(held)
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.checked import Checked
+from spacecraft_gnc.scenario.checks_governor import check_governor_parameters
 from spacecraft_gnc.scenario.checks_method import check_method
 from spacecraft_gnc.scenario.checks_pointing import check_pointing
 from spacecraft_gnc.scenario.checks_target import check_target
@@ -31,6 +32,7 @@ def check_all(checked: Checked) -> None:
     """Add a problem for each pair of values that do not fit together."""
     _check_names(checked)
     check_method(checked)
+    check_governor_parameters(checked)
     _check_zones(checked)
     _check_inertia(checked)
     _check_times(checked)

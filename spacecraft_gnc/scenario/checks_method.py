@@ -11,6 +11,10 @@ from spacecraft_gnc.scenario.problems import shown, suggestion
 _CONTROLLER: Final = "nmpc_controller"
 _NEWTON: Final = ("shooting", "neighboring_extremal")
 _NEIGHBORING: Final = ("neighboring_extremal",)
+_TERMINAL_SET: Final = ("terminal_set",)
+_PENALISED: Final = ("shooting", "neighboring_extremal", "slsqp", "fsolve")
+_OPTIMAL: Final = (*_PENALISED, *_TERMINAL_SET)
+_FEEDBACK: Final = ("feedback",)
 READERS: Final = {
     "formulation": _NEWTON,
     "step_rule": _NEWTON,
@@ -21,6 +25,22 @@ READERS: Final = {
     "exact_every": _NEIGHBORING,
     "ne_tolerance": _NEIGHBORING,
     "ne_max_age": _NEIGHBORING,
+    "terminal_set": _TERMINAL_SET,
+    "stage_cost_scale": _TERMINAL_SET,
+    "weights.stage_rate": _TERMINAL_SET,
+    "weights.stage_momentum": _PENALISED,
+    "weights.terminal_attitude": _PENALISED,
+    "weights.terminal_momentum": _PENALISED,
+    "torque_penalty": _PENALISED,
+    "actuators": _PENALISED,
+    "standstill_error_deg": _PENALISED,
+    "weights.stage_attitude": _OPTIMAL,
+    "weights.stage_torque": _OPTIMAL,
+    "horizon": _OPTIMAL,
+    "residual_tolerance": _OPTIMAL,
+    "max_iterations": _OPTIMAL,
+    "feedback_attitude_gain": _FEEDBACK,
+    "feedback_momentum_gain": _FEEDBACK,
 }
 """Parameter -> built-in methods that read it; those that all read are absent."""
 _OF_A_NOMINAL_RUN: Final = ("nominal_momentum", "exact_every")

@@ -7,7 +7,6 @@ import pytest
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Reference, Source, State
-from spacecraft_gnc.loop.ladder import SaturatedFeedback
 from spacecraft_gnc.ocp import Status, linearize
 from spacecraft_gnc.ocp.linearization import deviation
 
@@ -158,20 +157,3 @@ def test_a_state_that_is_none_gives_zero_torque_and_no_exception(build):
     assert command.source is Source.ZERO
     assert command.solution is None
     assert np.array_equal(command.torque, np.zeros(3))
-
-
-def test_feedback_respects_the_limit_and_points_home():
-    law = SaturatedFeedback(INERTIA, 0.125, 0.01)
-    torque = law.torque(START, TARGET)
-    assert np.linalg.norm(torque) <= 0.01 * (1 + 1e-12)
-    assert torque @ np.array([0.25, 0.5, 0.5]) < 0.0
-    assert law.torque(State(0, np.eye(3), np.zeros(3)), TARGET) == pytest.approx(np.zeros(3))
-
-
-def test_feedback_alone_brings_the_spacecraft_home(build):
-    plant = build().plant
-    law = SaturatedFeedback(INERTIA, 0.125, 0.01)
-    for _ in range(1000):
-        plant.step(law.torque(plant.state, TARGET))
-    assert lie.angle_between(plant.state.attitude, np.eye(3)) < 1e-3
-    assert np.linalg.norm(plant.state.momentum) < 1e-4

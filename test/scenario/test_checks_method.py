@@ -12,6 +12,7 @@ from spacecraft_gnc.scenario.declare import declarations
 from spacecraft_gnc.scenario.registry import BuiltIn
 
 INERTIA = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
+METHODS = ("shooting", "neighboring_extremal", "slsqp", "feedback", "terminal_set")
 NOMINAL = {"nominal_rotation_vector": [0.0, 0.0, 0.5]}
 CHANGED: dict[str, Any] = {
     "formulation": "single_shooting",
@@ -23,6 +24,22 @@ CHANGED: dict[str, Any] = {
     "exact_every": 10,
     "ne_tolerance": 0.1,
     "ne_max_age": 3,
+    "terminal_set": "false",
+    "stage_cost_scale": 0.2,
+    "weights.stage_rate": 1.0,
+    "weights.stage_momentum": 0.02,
+    "weights.terminal_attitude": 0.02,
+    "weights.terminal_momentum": 0.02,
+    "torque_penalty": 1.0e9,
+    "actuators": [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+    "standstill_error_deg": 1.0,
+    "weights.stage_attitude": 0.02,
+    "weights.stage_torque": 2.0,
+    "horizon": 6,
+    "residual_tolerance": 1.0e-11,
+    "max_iterations": 60,
+    "feedback_attitude_gain": INERTIA,
+    "feedback_momentum_gain": INERTIA,
 }
 
 
@@ -34,6 +51,8 @@ def _methods(monkeypatch: pytest.MonkeyPatch) -> None:
         "shooting": BuiltIn("nowhere:Nothing", ("exact", "estimated_u")),
         "neighboring_extremal": target,
         "slsqp": target,
+        "feedback": target,
+        "terminal_set": target,
     }
     monkeypatch.setitem(registry.BUILT_IN, "controllers", methods)
     monkeypatch.setattr(registry, "names", lambda group: (*registry.BUILT_IN[group], "foreign"))
@@ -53,7 +72,7 @@ def test_every_parameter_of_the_table_exists() -> None:
 
 
 @pytest.mark.parametrize("name", CHANGED)
-@pytest.mark.parametrize("method", ["shooting", "neighboring_extremal", "slsqp", "foreign"])
+@pytest.mark.parametrize("method", [*METHODS, "foreign"])
 def test_who_reads_what(method: str, name: str) -> None:
     given = {name: CHANGED[name]}
     if method == "neighboring_extremal":
@@ -68,7 +87,7 @@ def test_who_reads_what(method: str, name: str) -> None:
         assert f"required a method that reads it ({readers}), not {method}; remove it" in line
 
 
-@pytest.mark.parametrize("method", ["shooting", "neighboring_extremal", "slsqp"])
+@pytest.mark.parametrize("method", METHODS)
 def test_a_default_that_is_stated_is_no_fault(method: str) -> None:
     """The launcher states all of them in the file that it hands to the nodes."""
     stated = {d.name: d.spec.default for d in declarations("nmpc_controller")}

@@ -1,0 +1,62 @@
+"""Parameters that the governor does not read are refused, unless they say nothing new."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from spacecraft_gnc.scenario import InvalidScenario, from_sections
+from spacecraft_gnc.scenario.checks_governor import OF_ATTITUDE
+from spacecraft_gnc.scenario.declare import declarations
+
+INERTIA = [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0]
+CHANGED: dict[str, Any] = {
+    "initial_reference_rotation_vector": [0.1, 0.0, 0.0],
+    "max_torque": 0.02,
+    "max_momentum": 1.0,
+    "steady_margin_deg": 0.2,
+    "lyapunov_level": 0.1,
+    "prediction_horizon": 60,
+    "alpha_tolerance": 1e-4,
+    "cut_point_shift": 0.02,
+    "route": False,
+    "route_clearance_deg": 3.0,
+}
+
+
+def problems(method: str, **governor: Any) -> list[str]:
+    sections = {
+        "plant": {"inertia": INERTIA, "initial_rotation_vector": [0.1, 0.0, 0.0]},
+        "nmpc_controller": {"method": method},
+        "reference_governor": governor,
+    }
+    try:
+        from_sections(sections)
+    except InvalidScenario as error:
+        return [str(problem) for problem in error.problems]
+    return []
+
+
+def test_every_parameter_of_the_table_exists() -> None:
+    assert set(OF_ATTITUDE) <= {d.name for d in declarations("reference_governor")}
+    assert set(OF_ATTITUDE) == CHANGED.keys()
+
+
+@pytest.mark.parametrize("name", CHANGED)
+def test_only_the_governor_attitude_reads_them(name: str) -> None:
+    given = {name: CHANGED[name]}
+    assert problems("feedback", governor="attitude", **given) == []
+    (line,) = problems("feedback", governor="none", **given)
+    assert f"reference_governor.{name}: received" in line
+    assert "required a governor that reads it (attitude), not none; remove it" in line
+
+
+def test_a_default_that_is_stated_is_no_fault() -> None:
+    stated = {d.name: d.spec.default for d in declarations("reference_governor")}
+    assert problems("shooting", **stated) == []
+
+
+def test_a_level_needs_the_law_that_has_one() -> None:
+    (line,) = problems("shooting", governor="attitude", lyapunov_level=0.1)
+    assert "required nmpc_controller.method: feedback beside it, not shooting" in line
