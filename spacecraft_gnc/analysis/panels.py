@@ -146,9 +146,9 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
 
 def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) -> None:
     """Draw the share of the way that the governor allowed, and the way that is left."""
-    times, values = _held(trajectory, trajectory.alpha)
-    colour = style.AXIS_COLOURS[0]
-    axes.step(times, values, where="post", color=colour, label=r"$\alpha$")
+    times, colour = series.state_times(trajectory), style.AXIS_COLOURS[0]
+    # Dots: alpha may be 0 at every other step, which a line would fill in.
+    axes.plot(times[:-1], trajectory.alpha, ".", markersize=3, color=colour, label=r"$\alpha$")
     axes.set(title="Reference governor", xlabel=TIME_LABEL, ylabel="share of the way [-]")
     axes.set_xlim(times[0], times[-1])
     axes.set_ylim(-0.03, 1.03)

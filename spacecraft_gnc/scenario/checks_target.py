@@ -42,10 +42,6 @@ def check_target(checked: Checked) -> None:
     _check_momentum(checked)
     if checked.get(_CONTROLLER, "method") == "feedback":
         _check_feedback(checked)
-    elif checked.is_changed(_GOVERNOR, "lyapunov_level"):
-        value = shown(checked.get(_GOVERNOR, "lyapunov_level"))
-        need = "nmpc_controller.method: feedback beside it, whose invariant set it bounds"
-        checked.complain(_GOVERNOR, "lyapunov_level", value, need, "remove it")
 
 
 # Pointing zones: the set of references.
@@ -183,7 +179,7 @@ def _check_level(checked: Checked, attitude_gain: Matrix3) -> None:
     level = checked.get(_GOVERNOR, "lyapunov_level")
     smallest = np.linalg.eigvalsh(attitude_gain)[:2]
     unstable = 2.0 * float(smallest.sum())
-    if isinstance(level, float) and level >= unstable:
+    if isinstance(level, float) and level >= unstable * (1.0 - _ROUNDING):
         need = (
             f"less than {unstable:.6g} J, the level of the lowest unstable equilibrium (twice the "
             "two smallest eigenvalues of nmpc_controller.feedback_attitude_gain)"
