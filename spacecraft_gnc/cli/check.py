@@ -1,6 +1,6 @@
 """``gnc check``: can this scenario fly, and if not, why; without ROS.
 
-Kernels are loaded only where a governor has to predict its start.
+Kernels are loaded only where a core has to look ahead from the start.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def check(
 
     try:
         checked = load(scenario, overrides or ())
-        checked.check_governor()
+        checked.check_cores()
     except InvalidScenario as error:
         if not as_json:
             raise

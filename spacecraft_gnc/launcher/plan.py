@@ -16,7 +16,6 @@ from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.schema import NODE_NAMES
 
 PLANT: Final = "plant"
-GOVERNOR: Final = "reference_governor"
 RECORDER: Final = "recorder"
 COMPOSED: Final = "graph"
 """Name of the process that hosts all nodes in a composed launch."""
@@ -86,7 +85,7 @@ def make_plan(
 
     Raises
     ------
-    InvalidScenario
+    GncError
         The scenario cannot be flown.
     LaunchRefused
         The folder cannot be used, or there is no plant to fly.
@@ -98,8 +97,7 @@ def make_plan(
             f"{path}: launcher.nodes: received {list(nodes)}; required the plant among them, which "
             f"owns simulated time; use {list(NODE_NAMES)}"
         )
-    if GOVERNOR in nodes:
-        scenario.check_governor()
+    scenario.check_cores()
     folder = _make_folder(path, out)
     peers = [node for node in nodes if node != PLANT]
     changes: dict[str, Any] = {}

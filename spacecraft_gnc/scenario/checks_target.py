@@ -1,7 +1,7 @@
 """Whether a governed flight has an attitude to start from, one to end at, and limits between.
 
 Only for the governor of this package. What needs a prediction, such as whether a moving start can
-be held, the governor itself refuses when it is built (`Scenario.check_governor`).
+be held, the governor itself refuses when it is built (`Scenario.check_cores`).
 
 At rest momentum and torque are zero, so no limit on their norms excludes an equilibrium; pointing
 zones alone can. One zone or a pair that leaves nothing is named here. More zones that leave nothing

@@ -64,7 +64,7 @@ def problem_of(error: GncError, file: str, section: str, known: Sequence[str]) -
     known
         Names of that section's parameters.
     """
-    what, _, rest = str(error).partition(": received ")
+    what, _, rest = str(error).removeprefix(f"{section}.").partition(": received ")
     value, _, rest = rest.partition("; required ")
     requirement, _, remedy = rest.partition("; ")
     if not (value and requirement and remedy):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from spacecraft_gnc.types import Matrix3
 if TYPE_CHECKING:  # the cores need numba, a check of a file does not
     from spacecraft_gnc.loop.closed_loop import ClosedLoop
     from spacecraft_gnc.loop.protocols import Controller, Governor, Plant
+
+_REFUSE_STARTS: Final = ("terminal_set",)
+"""Methods that refuse a start when they are built."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -90,9 +93,15 @@ class Scenario:
         return cast("Plant", registry.create("plants", self.plant.vehicle, self))
 
     def build_controller(self) -> Controller:
-        """Return the controller named by ``nmpc_controller.method``."""
+        """Return the controller named by ``nmpc_controller.method``.
+
+        Raises
+        ------
+        InvalidScenario
+            With what the controller refuses, such as a start from which it has no solution.
+        """
         self._require("nmpc_controller.inertia", self.controller.inertia)
-        return cast("Controller", registry.create("controllers", self.controller.method, self))
+        return cast("Controller", self._create("controllers", self.controller.method))
 
     def build_governor(self) -> Governor:
         """Return the governor named by ``reference_governor.governor``.
@@ -103,27 +112,21 @@ class Scenario:
             With what the governor refuses, such as a start from which its prediction violates a
             limit.
         """
-        section, name = "reference_governor", self.governor.governor
+        name = self.governor.governor
         if name == "attitude":
             self._require("nmpc_controller.inertia", self.controller.inertia)
-        try:
-            return cast("Governor", registry.create("governors", name, self))
-        except InvalidScenario:
-            raise
-        except GncError as error:
-            problem = problem_of(error, self.path, section, known_names(section))
-            if problem is None:
-                raise
-            raise InvalidScenario([problem]) from error
+        return cast("Governor", self._create("governors", name))
 
-    def check_governor(self) -> None:
-        """Have the governor, where there is one, refuse what no value shows by itself.
+    def check_cores(self) -> None:
+        """Have the cores that look ahead refuse what no value shows by itself.
 
         Raises
         ------
         GncError
-            As `build_governor` does.
+            As `build_controller` and `build_governor` do.
         """
+        if self.controller.method in _REFUSE_STARTS:
+            self.build_controller()
         if self.governor.governor != "none":
             self.build_governor()
 
@@ -138,6 +141,18 @@ class Scenario:
         if not defaults:
             return sections_to_yaml(self.sections)
         return sections_to_yaml({s: unflatten(values) for s, values in self.values.items()})
+
+    def _create(self, group: str, name: str) -> Any:
+        try:
+            return registry.create(group, name, self)
+        except InvalidScenario:
+            raise
+        except GncError as error:
+            section = registry.KEYS[group].partition(".")[0]
+            problem = problem_of(error, self.path, section, known_names(section))
+            if problem is None:
+                raise
+            raise InvalidScenario([problem]) from error
 
     def _require(self, key: str, inertia: Matrix3) -> None:
         if np.isnan(inertia).any():
