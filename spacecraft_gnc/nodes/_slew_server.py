@@ -11,7 +11,6 @@ from typing import Any, Final, TypeAlias
 import numpy as np
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
-from rclpy.task import Future
 from spacecraft_gnc_msgs.action import SlewTo
 
 from spacecraft_gnc import lie
@@ -35,7 +34,6 @@ class _Slew:
     """A goal: put to the governor, then flown."""
 
     handle: Any
-    done: Future
     target: Matrix3
     tolerance: float
     message: str = ""
@@ -65,7 +63,6 @@ class SlewServer:
         tolerance: float,
         rate_tolerance: float,
     ) -> None:
-        self._node = node
         self._set_target = set_target
         self._tolerance = tolerance
         self._rate_tolerance = rate_tolerance
@@ -75,7 +72,8 @@ class SlewServer:
             node,
             SlewTo,
             SLEW_ACTION,
-            self._fly,
+            _result,
+            handle_accepted_callback=self._accept,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
@@ -112,9 +110,13 @@ class SlewServer:
             feedback = SlewTo.Feedback(step=state.step, error_angle=slew.error, alpha=alpha)
             slew.handle.publish_feedback(feedback)
 
-    async def _fly(self, handle: Any) -> SlewTo.Result:
-        """Fly one goal: put it to the governor, then wait until something ends it."""
-        slew = _Slew(handle, Future(executor=self._node.executor), np.eye(3), self._tolerance)
+    def _accept(self, handle: Any) -> None:
+        """Put a goal to the governor.
+
+        The goal is executed at its end only, when its result is known: while a coroutine waits for
+        something, the EventsExecutor asks it again and again, and takes a whole processor core.
+        """
+        slew = _Slew(handle, np.eye(3), self._tolerance)
         self._asked.append(slew)
         try:
             slew.target = _target(handle.request.target)
@@ -123,13 +125,6 @@ class SlewServer:
             self._begin(slew, error)
         else:
             self._set_target(slew.target, partial(self._begin, slew))
-        await slew.done
-        return SlewTo.Result(
-            reached=slew.reached,
-            final_error=slew.error,
-            step=slew.step,
-            message=slew.message,
-        )
 
     def _begin(self, slew: _Slew, refusal: GncError | None) -> None:
         """Fly a goal that was taken; an older one goes on where it was not."""
@@ -150,8 +145,14 @@ class SlewServer:
 
 def _end(slew: _Slew, outcome: str, message: str) -> None:
     slew.message = message
+    slew.handle.execute(partial(_result, slew=slew))
     getattr(slew.handle, outcome)()
-    slew.done.set_result(None)
+
+
+def _result(_: Any, slew: _Slew) -> SlewTo.Result:
+    return SlewTo.Result(
+        reached=slew.reached, final_error=slew.error, step=slew.step, message=slew.message
+    )
 
 
 class _BadGoal(GncError):

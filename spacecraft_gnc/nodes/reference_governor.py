@@ -142,9 +142,7 @@ class GovernorNode(GncNode):
 
     def _set_target(self, target: Matrix3, answer: Answer) -> None:
         if not self.active:
-            answer(
-                LaunchError("target: received while the governor is not active; try again later")
-            )
+            answer(LaunchError(f"target: received by an inactive {self.ROLE}; {_ACTIVATE}"))
             return
         self._ask(_Job(partial(self._refusal, target), answer))
 
