@@ -15,10 +15,16 @@ import math, sys
 import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.governors import tail
+from spacecraft_gnc.governors.attitude import AttitudeGovernor
+from spacecraft_gnc.governors.feedback import AttitudeFeedback
+from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
+from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
     ShootingSolver, Weights, linearize,
 )
+from spacecraft_gnc.types import State
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
 Q = np.array([[1.0, 0.2, 0.1], [0.2, 0.9, 0.0], [0.1, 0.0, 1.1]])
@@ -53,6 +59,18 @@ flat = AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 30)  # a saddle, and the way o
 o = ShootingSolver(flat).solve(lie.exp(np.array([math.pi, 0.0, 0.0])), np.zeros(3))
 assert o.converged and o.cost < 0.4
 found |= {"off_saddle": o.cost, "off_saddle_torques": np.abs(o.torques)}
+tail.SAMPLES, tail.FLIGHTS = 64, 3  # interpreted, thousands would take minutes
+law = AttitudeFeedback(0.2 * J, 0.4, J)
+ahead = FeedbackPredictor(law, 0.2, 2, ReferenceSet((zone,), 0.01), max_torque=0.02)
+governor = AttitudeGovernor(ahead, ahead.reference_set, R, alpha_tolerance=0.01)
+state = State(0, lie.exp(np.array([-0.1, 0.3, 0.5])), np.array([0.001, 0.0, 0.002]))
+decision = governor.decide(state)
+assert 0.0 < decision.alpha < 1.0 and decision.active_constraint == "torque limit"
+found |= {
+    "reference": decision.reference.attitude, "governor_margin": decision.margin,
+    "tail": [ahead.tail.level, ahead.tail.growth, ahead.horizon, decision.violation_step],
+    "feedback": law.torque(state, R), "lyapunov": law.lyapunov(state, R),
+}
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),

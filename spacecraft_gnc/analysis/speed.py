@@ -15,16 +15,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
+from spacecraft_gnc.governors.prediction import Prediction
+from spacecraft_gnc.governors.reference_set import ReferenceSet
+from spacecraft_gnc.governors.search import GeodesicSearch
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
 from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.ocp import ShootingSolver
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.types import Array, Matrix3, State
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
 _MARCH = 200_000  # integrator steps in one timed call
+_PREDICTED = 100  # steps of each prediction of a governor's update
 
 
 def machine() -> dict[str, Any]:
@@ -119,3 +125,56 @@ def time_flight(loop: ClosedLoop, repeats: int = 20) -> dict[str, Any]:
         flights[i] = perf_counter() - begun
         solves.append(flight.solve_time[1:])
     return {"flight": quantiles(flights), "solve": quantiles(np.concatenate(solves))}
+
+
+def time_governor(scenario: Scenario, repeats: int = 2000) -> dict[str, Any]:
+    """Time the update of a scenario's reference governor.
+
+    ``update``: the longest there is, all halvings of the bisection with every prediction flown
+    over 100 steps to its end; ``flight``: those of the scenario's flight that had to bisect.
+    """
+    references = ReferenceSet.from_scenario(scenario)
+    ahead = FeedbackPredictor.from_scenario(scenario, references, horizon=_PREDICTED)
+    g, p = scenario.governor, scenario.plant
+    search = GeodesicSearch(_Refusing(ahead), references, g.alpha_tolerance, g.cut_point_shift)
+    start = State(0, lie.exp(p.initial_rotation_vector), np.zeros(3))
+    near = start.attitude @ lie.exp(np.array([0.01, 0.0, 0.0]))  # nothing is violated on the way
+    update = time_calls(lambda: search.step(start, start.attitude, near), repeats)
+    return {"update": quantiles(update), "flight": quantiles(_time_bisections(scenario))}
+
+
+class _Refusing:
+    """Flies every prediction to its end and then refuses it, so that a bisection runs to its."""
+
+    slow = False
+
+    def __init__(self, predictor: FeedbackPredictor) -> None:
+        self.horizon = predictor.horizon
+        self._predictor = predictor
+
+    def warm_up(self) -> None:
+        self._predictor.warm_up()
+
+    def reset(self) -> None:
+        self._predictor.reset()
+
+    def predict(self, state: State, reference: Matrix3, reserve: float = 0.0) -> Prediction:
+        found = self._predictor.predict(state, reference, reserve)
+        assert found.admissible  # noqa: S101 - else it was not flown to its end
+        return found._replace(admissible=False)
+
+
+def _time_bisections(scenario: Scenario) -> Array:
+    loop = scenario.build()
+    for core in (loop.plant, loop.controller, loop.governor):
+        core.warm_up()
+        core.reset()
+    times, state = [], loop.plant.state
+    for _ in range(loop.plant.n_steps):
+        begun = perf_counter()
+        decision = loop.governor.decide(state)
+        spent = perf_counter() - begun
+        if decision.evaluations > 1:
+            times.append(spent)
+        state = loop.plant.step(loop.controller.command(state, decision.reference).torque)
+    return np.array(times)

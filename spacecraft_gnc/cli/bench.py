@@ -45,6 +45,7 @@ def bench(
     figures["loop_case_2"] = speed.time_flight(case_2.build())
     neighboring = load(path, ["nmpc_controller.method=neighboring_extremal"])
     figures["loop_neighboring"] = speed.time_flight(neighboring.build())
+    figures["governor"] = speed.time_governor(load(shipped("kalabic2014_governor")))
     for name, options in _GRAPHS.items() if graph else ():
         figures[name] = _time_graph(path, options)
     _print(figures)
@@ -93,6 +94,8 @@ def _print(figures: dict[str, Any]) -> None:
         ("warm solve, kernel", _times(figures["solve_kernel"], 1e6, "us")),
         ("warm solve, from Python", _times(figures["loop"]["solve"], 1e6, "us")),
         ("neighbouring extremals", _times(figures["loop_neighboring"]["solve"], 1e6, "us")),
+        ("governor, 20 x 100 steps", _times(figures["governor"]["update"], 1e3, "ms")),
+        ("governor, Kalabic's flight", _times(figures["governor"]["flight"], 1e3, "ms")),
         ("Case I without ROS", _times(figures["loop"]["flight"], 1e3, "ms")),
         ("Case II without ROS", _times(figures["loop_case_2"]["flight"], 1e3, "ms")),
     ]

@@ -103,8 +103,13 @@ class FeedbackPredictor:
         self._states = np.zeros((7, 3))
 
     @classmethod
-    def from_scenario(cls, scenario: Scenario, reference_set: ReferenceSet) -> FeedbackPredictor:
-        """Build the predictor of a scenario whose method is ``feedback``."""
+    def from_scenario(
+        cls, scenario: Scenario, reference_set: ReferenceSet, horizon: int | None = None
+    ) -> FeedbackPredictor:
+        """Build the predictor of a scenario whose method is ``feedback``.
+
+        ``horizon`` takes the place of ``reference_governor.prediction_horizon``.
+        """
         g = scenario.governor
         return cls(
             AttitudeFeedback.from_scenario(scenario),
@@ -114,7 +119,7 @@ class FeedbackPredictor:
             max_torque=g.max_torque,
             max_momentum=g.max_momentum,
             level=g.lyapunov_level,
-            horizon=g.prediction_horizon,
+            horizon=g.prediction_horizon if horizon is None else horizon,
         )
 
     def warm_up(self) -> None:
@@ -173,7 +178,7 @@ def _limit(name: str, value: float) -> float:
 
 
 def _require_level(level: float, unstable: float) -> None:
-    if not 0.0 <= level < unstable:
+    if not 0.0 <= level < (1.0 - 1e-9) * unstable:  # eigenvalues have rounding
         raise ParameterError(
             f"lyapunov_level: received {level!r} J; required less than {unstable:.6g} J, the level "
             "of the lowest unstable equilibrium, twice the two smallest eigenvalues of the "
