@@ -19,7 +19,10 @@ from spacecraft_gnc.governors import tail
 from spacecraft_gnc.governors.attitude import AttitudeGovernor
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
+from spacecraft_gnc.governors.controller_loop import ShootingLoopPredictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
+from spacecraft_gnc.loop import State
+from spacecraft_gnc.loop.controllers import ShootingController
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
     ShootingSolver, Weights, linearize,
@@ -71,6 +74,13 @@ found |= {
     "tail": [ahead.tail.level, ahead.tail.growth, ahead.horizon, decision.violation_step],
     "feedback": law.torque(state, R), "lyapunov": law.lyapunov(state, R),
 }
+loop = ShootingController(ShootingSolver(AttitudeOcp(J, 0.4, 4, max_torque=0.05)))
+predictor = ShootingLoopPredictor(
+    loop, RigidBody(J, 0.2), 2, ReferenceSet((zone,)), np.eye(3), max_momentum=0.5, horizon=8
+)
+o = predictor.predict(State(0, R.T, Pi), np.eye(3))
+assert o.constraint == "convergence" and o.violation_step == 8
+found |= {"loop_margin": o.margin, "loop_radius": predictor.settled.radius}
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),

@@ -7,20 +7,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from spacecraft_gnc import lie
+from spacecraft_gnc.governors.tail import kronecker
 from spacecraft_gnc.ocp import PointingZone
 from spacecraft_gnc.types import Array
-
-GOLDEN = 1.2207440846057596  # g^4 = g + 1: powers of 1/g fill the unit cube evenly (Roberts)
 
 
 def spread(n: int) -> tuple[Array, Array]:
     """Return n attitudes spread evenly over SO(3), (n, 3, 3), and their quaternions (n, 4) x y z w.
 
-    The first m of them are spread evenly, too, whatever m. An additive recurrence fills the unit
-    cube; Shoemake's map takes it to unit quaternions and keeps volumes.
+    The first m of them are spread evenly, too, whatever m. Shoemake's map takes the unit cube to
+    unit quaternions and keeps volumes.
     """
-    steps = (0.5 + np.outer(np.arange(1, n + 1), GOLDEN ** -np.arange(1.0, 4.0))) % 1.0
+    steps = kronecker(n, 3)
     radius, turns = steps[:, 0], 2.0 * math.pi * steps[:, 1:]
     inner, outer = np.sqrt(1.0 - radius), np.sqrt(radius)
     x, y = inner * np.sin(turns[:, 0]), inner * np.cos(turns[:, 0])

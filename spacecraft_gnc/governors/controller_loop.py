@@ -11,6 +11,7 @@ not settled when the horizon ends: an admissible reference is one that the loop 
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,7 @@ from spacecraft_gnc.governors._flight_kernels import (
     CONDITION,
     CONVERGENCE,
     ONWARD,
+    SETTLED,
     SOLVER,
     TORQUE,
     examine,
@@ -39,6 +41,9 @@ if TYPE_CHECKING:
     from spacecraft_gnc.loop.protocols import Controller
     from spacecraft_gnc.scenario import Scenario
 
+# Room [rad, share of a limit] that a new reference needs where the controller flown remembers more
+# than the one that predicts: its neighbouring extremals and warm starts give other last digits.
+MEMORY = 1e-3
 LAST_GOOD_SOURCE = 1  # loop.protocols.Source.NEIGHBORING_EXTREMAL, whose layer lies above
 CONSTRAINTS = (
     "torque limit",
@@ -46,6 +51,14 @@ CONSTRAINTS = (
     "momentum condition (4)",
     "convergence",
     "solver",
+)
+SPARE = 1.25  # the horizon, as a multiple of the longest slew measured
+LONGEST = 10  # slews that take more than so many times the linear decay are left out
+# Turns of nearly half a turn [rad] about the body's axes and the diagonals between them.
+AXES = tuple(
+    math.radians(179.0) * np.array(axis) / np.linalg.norm(axis)
+    for axis in itertools.product((-1.0, 0.0, 1.0), repeat=3)
+    if any(axis)
 )
 
 
@@ -101,13 +114,15 @@ class ControllerLoopPredictor:
             )
         self._controller, self._body, self._substeps = controller, body, substeps
         self._set = reference_set
+        self._least_reserve = min(MEMORY, 0.5 * reference_set.steady_margin)
         self._names = (*reference_set.names, *CONSTRAINTS)
         step = OneStep(controller, body, substeps, np.asarray(target))
         self.settled = settled_set(step, max_torque, max_momentum)
-        self.horizon = horizon or self.settled.horizon
+        self._zones = reference_set.rows
         self._limits = np.array([max_torque, max_momentum, self.settled.level])
         self._rows = np.empty((7, 3))
         self._worst = np.empty(3)
+        self.horizon = horizon or self._measured_horizon(np.asarray(target))
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> ControllerLoopPredictor:
@@ -138,18 +153,40 @@ class ControllerLoopPredictor:
 
     def predict(self, state: State, reference: Matrix3, reserve: float = 0.0) -> Prediction:
         """Fly the loop from ``state`` under ``reference`` (3, 3); see `prediction.Predictor`."""
+        if reserve > 0.0:
+            reserve = max(reserve, self._least_reserve)
         rows, worst = self._rows, self._worst
         rows[:3], rows[3], rows[4:] = state.attitude, state.momentum, reference
         worst[:] = math.inf, math.inf, -1.0
         margin, _ = self._set.margin(reference)
         self._limits[2] = self.settled.level_at(margin - reserve)
         found, step = self._fly(state.step, reserve)
-        if found < 0 and found != ONWARD:
+        if found == SETTLED:
             name = self._names[int(worst[2])] if worst[2] >= 0.0 else ""
             return Prediction(True, float(worst[1]), name, -1)
         if found == ONWARD:
             found = len(self._set.names) + CONVERGENCE
         return Prediction(False, self._shortfall(found), self._names[found], step)
+
+    def _measured_horizon(self, target: Matrix3) -> int:
+        """Return the steps in which the slowest of the turns `AXES` settles, with some to spare.
+
+        At least what the decay of the loop says; only that where flights would take long.
+        """
+        least = self.settled.horizon
+        if self._controller.slow:
+            return least
+        zones, limits = self._zones, self._limits
+        self._zones, self._limits = zones[:0], np.array([0.0, 0.0, limits[2]])
+        self.horizon = LONGEST * least
+        longest = 0
+        for axis in AXES:
+            self._rows[:3], self._rows[3], self._rows[4:] = target @ lie.exp(axis), 0.0, target
+            found, steps = self._fly(0, 0.0)
+            if found == SETTLED:
+                longest = max(longest, steps)
+        self._zones, self._limits = zones, limits
+        return max(least, math.ceil(SPARE * longest))
 
     def _fly(self, first: int, reserve: float) -> tuple[int, int]:
         """Fly from ``rows``; return what `examine` says at the end, and the step."""
@@ -178,8 +215,9 @@ class ControllerLoopPredictor:
 
     def _examine(self, reserve: float) -> int:
         body = (self._body.packed, self._body.time_step)
-        zones, metric = self._set.rows, self.settled.metric
-        return int(examine(self._rows, *body, zones, self._limits, metric, reserve, self._worst))
+        limits, metric = self._limits, self.settled.metric
+        found = examine(self._rows, *body, self._zones, limits, metric, reserve, self._worst)
+        return int(found)
 
     def _shortfall(self, found: int) -> float:
         """Margin of the constraint violated, in its own unit."""
@@ -211,10 +249,6 @@ class ShootingLoopPredictor(ControllerLoopPredictor):
         max_momentum: float = 0.0,
         horizon: int = 0,
     ) -> None:
-        super().__init__(
-            controller, body, substeps, reference_set, target,
-            max_torque=max_torque, max_momentum=max_momentum, horizon=horizon,
-        )  # fmt: skip
         solver = getattr(controller, "solver", None)
         if not isinstance(solver, ShootingSolver):
             raise ParameterError(
@@ -228,12 +262,17 @@ class ShootingLoopPredictor(ControllerLoopPredictor):
             np.empty((n + 1, 6)), np.empty(len(solver.ocp.zones)),
         )  # fmt: skip
         self._room = np.empty((5, 3))
+        super().__init__(
+            controller, body, substeps, reference_set, target,
+            max_torque=max_torque, max_momentum=max_momentum, horizon=horizon,
+        )  # fmt: skip
+        self._least_reserve = 0.0  # exact solves leave nothing to memory
 
     def _fly(self, first: int, reserve: float) -> tuple[int, int]:
         start = self._rows.copy()
         found, step = fly(
             self._rows, *self._buffers, *self._solver.work, *self._solver.settings,
-            self._body.packed, self._body.time_step, self._substeps, self._set.rows,
+            self._body.packed, self._body.time_step, self._substeps, self._zones,
             self._limits, self.settled.metric, reserve, self.horizon, self._room, self._worst,
         )  # fmt: skip
         if found == len(self._set.names) + SOLVER:

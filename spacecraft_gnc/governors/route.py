@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
@@ -143,23 +144,22 @@ class RoutePlanner:
             at = int(before[at])
         return np.array([start, *reversed(way)])
 
-    def _reach(self, attitude: Matrix3, nodes: Array) -> tuple[Array, Array]:
+    def _reach(self, attitude: Matrix3, nodes: Array) -> tuple[NDArray[np.int64], Array]:
         """Nodes that one leg reaches from an attitude, and the lengths of these legs."""
         if not len(nodes):
             return np.empty(0, np.int64), np.empty(0)
         clear, angles = self._keeps(attitude, nodes)
-        return np.flatnonzero(clear), angles[clear]
+        return np.flatnonzero(clear).astype(np.int64), angles[clear]
 
     # --- one leg ------------------------------------------------------------------------------
 
     def _approach(self, start: Array, axes: Array, angles: Array) -> Array:
         return closest_approach(self._set.zones, start, axes, angles)
 
-    def _keeps(self, start: Array, ends: Array) -> tuple[Array, Array]:
+    def _keeps(self, start: Array, ends: Array) -> tuple[NDArray[np.bool_], Array]:
         """Whether each leg keeps the clearance, as far as its ends have it, and its length."""
         axes, angles = geodesics(start, ends)
-        at_ends = np.minimum(self._set.margins(np.atleast_3d(start).reshape(-1, 3, 3)), 9.0)
-        at_ends = np.minimum(at_ends, self._set.margins(ends))
+        at_ends = np.minimum(self._set.margins(start[None]), self._set.margins(ends))
         needed = np.clip(at_ends - 1e-9, self._set.steady_margin, self._clearance)
         clear = self._approach(start, axes, angles) >= needed
         return clear & (angles <= LONGEST_LEG), angles

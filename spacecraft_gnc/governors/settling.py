@@ -32,7 +32,6 @@ PROBE = 1e-4  # size of the differences [rad, and momentum of that angle in one 
 LARGEST_ERROR = math.radians(1.0)  # up to here, or less where measured, the loop counts as linear
 NONLINEAR = 0.1  # share of one step's decay that the loop may differ from the linear one
 ROOM = 0.9  # share of a limit's room that the settled set uses
-SLEW = 2.0  # the horizon, as a multiple of the time in which half a turn would decay linearly
 
 
 class SettledSet(NamedTuple):
@@ -49,9 +48,9 @@ class SettledSet(NamedTuple):
 
     @property
     def horizon(self) -> int:
-        """Steps within which a slew settles: `SLEW` times the linear decay from half a turn."""
+        """Steps in which half a turn would decay to this set at the loop's linear rate."""
         decay = math.log(math.pi / (self.error_gain * math.sqrt(self.level)))
-        return math.ceil(SLEW * decay / -math.log(min(self.radius, 1.0 - 1e-12)) + 1.0)
+        return math.ceil(decay / -math.log(max(self.radius, 1e-12))) + 1
 
     def level_at(self, zone_margin: float) -> float:
         """Level [rad^2] on which no attitude error exceeds ``zone_margin`` [rad] either."""
