@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
@@ -20,6 +21,7 @@ RECORDER: Final = "recorder"
 COMPOSED: Final = "graph"
 """Name of the process that hosts all nodes in a composed launch."""
 _RUNS: Final = Path("runs")
+_DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
 _SCENARIO_FILE: Final = "scenario.yaml"
 
 
@@ -103,6 +105,8 @@ def make_plan(
     changes: dict[str, Any] = {}
     if set(peers) != set(scenario.plant.peers):
         changes["plant.peers"] = peers
+    if any(_DURATION.match(text) for text in overrides):
+        changes["launcher.cut_short"] = "true"
     parameter_file = path.resolve()
     if overrides or changes:
         merged = load(path, [*overrides, *(f"{key}={value}" for key, value in changes.items())])

@@ -27,7 +27,6 @@ from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._topics import DIAGNOSTICS, GOVERNOR_STATUS, TARGET
 from spacecraft_gnc.recording.reader import read_flight
-from spacecraft_gnc.scenario import load
 
 pytestmark = pytest.mark.graph
 
@@ -125,12 +124,8 @@ def test_two_launches_under_a_governor_are_identical(graph: Any) -> None:
     assert len(expected["/governor_status"]) == 121
     assert payloads(second / "bag") == expected
     assert payloads(third / "bag") == expected
-    assert_equals_simulation(first / "bag", SHORT, COMPOSED, scenario=KALABIC)
-    flown = read_flight(first / "bag").trajectory
-    simulated = load(KALABIC, [SHORT]).build().run()
-    assert np.array_equal(flown.alpha, simulated.alpha)
-    assert np.array_equal(flown.governor_margin, simulated.governor_margin)
-    assert 0.0 < flown.alpha.max() < 1.0
+    assert_equals_simulation(first / "bag", SHORT, scenario=KALABIC)
+    assert 0.0 < read_flight(first / "bag").trajectory.alpha.max() < 1.0
 
 
 def test_targets_in_flight(graph: Any, at: Any) -> None:
