@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels, style
+from spacecraft_gnc.analysis import panels, series, style
 from spacecraft_gnc.errors import RecordingError
 
 if TYPE_CHECKING:
@@ -57,17 +57,18 @@ def flight_figures(
     Yields
     ------
     tuple of str and Figure
-        Name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``; ``zones`` and
-        ``solver`` where there is something to show) and figure.
+        Name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``; ``governor``,
+        ``zones`` and ``solver`` where there is something to show) and figure.
     """
-    limit = scenario.controller.max_torque if scenario is not None else None
+    limit = series.torque_limit(trajectory, scenario)
     zones = scenario.controller.zones if scenario is not None else ()
     draw: dict[str, _Draw] = {
-        "error": lambda axes: panels.attitude_error(axes, trajectory, scale=error_scale),
+        "error": lambda axes: panels.attitude_error(axes, trajectory, scenario, scale=error_scale),
         "momentum": lambda axes: panels.momentum(axes, trajectory),
         "torque": lambda axes: panels.torque_components(axes, trajectory),
         "norm": lambda axes: panels.torque_norm(axes, trajectory, limit),
         "sphere": lambda axes: panels.attitude_sphere(axes, trajectory, zones),
+        "alpha": lambda axes: panels.alpha(axes, trajectory, scenario),
         "zones": lambda axes: panels.zone_margins(axes, trajectory, zones),
         "iterations": lambda axes: panels.iterations(axes, trajectory),
         "solve_time": lambda axes: panels.solve_time(axes, trajectory),
@@ -77,6 +78,8 @@ def flight_figures(
     yield "momentum", _stacked(_SINGLE, draw["momentum"])
     yield "torque", _stacked(_DOUBLE, draw["torque"], draw["norm"])
     yield "sphere", _stacked(_SQUARE, draw["sphere"])
+    if series.is_governed(trajectory):
+        yield "governor", _stacked(_SINGLE, draw["alpha"])
     if zones:
         yield "zones", _stacked(_SINGLE, draw["zones"])
     if np.any(trajectory.status >= 0):

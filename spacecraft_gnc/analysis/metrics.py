@@ -11,7 +11,7 @@ import numpy as np
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.neighboring import neighboring_metrics
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.types import Array, Matrix3
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 SETTLE_THRESHOLDS_DEG: Final = (5.0, 1.0, 0.1)
 _SATURATION = 1.0 - 1e-6  # share of the limit: the penalty lets the norm end just beside it
+_SAME_ATTITUDE = 1e-9  # largest difference of entries
 
 
 def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[str, Any]:
@@ -37,13 +38,17 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
     dict
         ``steps``, ``missing_steps`` (lost by the recording), ``period`` and ``duration`` [s],
         ``final_error_deg``, ``final_momentum`` [N m s], ``settle_time_5deg``, ``_1deg``,
-        ``_0.1deg`` (time after which the error stays below for good [s]; None: never),
+        ``_0.1deg`` (time after which the error stays below for good [s]; None: never): angles to
+        the target where a governor shaped the reference, else to the reference, as ``error_to``
+        says; ``alpha_one_time`` (from which on the governor allowed the whole way to the target
+        for good [s]; None: never, or no governor), ``min_governor_margin`` (of its predictions, in
+        the unit of each one's nearest constraint),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
         stage costs), ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
         ``escaping_steps`` (at rest away from the target, and leaving there),
         ``solve_time_median``, ``_p99``, ``_max`` [s],
-        ``sources`` (steps by source), ``fallback_steps`` (steps without a solver's command),
+        ``sources`` (steps by source), ``fallback_steps`` (steps without a command of the method),
         ``neighboring_share`` and ``neighboring_error`` (see `analysis.neighboring`).
     """
     controller = scenario.controller if scenario is not None else None
@@ -54,10 +59,11 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         "missing_steps": int(np.count_nonzero(np.isnan(rows).any(axis=1))),
         "period": float(trajectory.period),
         "duration": _number(series.state_times(trajectory)[-1]),
-        **_attitude_metrics(trajectory),
-        **_torque_metrics(trajectory, controller),
+        **_attitude_metrics(trajectory, scenario),
+        **_governor_metrics(trajectory, scenario),
+        **_torque_metrics(trajectory, scenario),
         **_zone_metrics(trajectory, controller),
-        **_solver_metrics(trajectory),
+        **_solver_metrics(trajectory, controller),
         **neighboring_metrics(trajectory, scenario),
     }
 
@@ -84,9 +90,9 @@ def settle_time(times: Array, error: Array, threshold: float) -> float | None:
     return float(times[first]) if first < times.size else None
 
 
-def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:
+def _attitude_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
     times = series.state_times(trajectory)
-    error = series.attitude_error_deg(trajectory)
+    error = series.settling_error_deg(trajectory, scenario)
     settled = {
         f"settle_time_{threshold:g}deg": settle_time(times, error, threshold)
         for threshold in SETTLE_THRESHOLDS_DEG
@@ -98,14 +104,31 @@ def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def _torque_metrics(
-    trajectory: Trajectory, controller: ControllerParameters | None
-) -> dict[str, Any]:
+def _governor_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+    aim = series.target(trajectory, scenario)
+    margins = trajectory.governor_margin[np.isfinite(trajectory.governor_margin)]
+    return {
+        "error_to": "reference" if aim is None else "target",
+        "alpha_one_time": None if aim is None else _alpha_one_time(trajectory, aim),
+        "min_governor_margin": float(margins.min()) if margins.size else None,
+    }
+
+
+def _alpha_one_time(trajectory: Trajectory, target: Matrix3) -> float | None:
+    """Return the time from which on the reference is the target, and alpha 1 [s]."""
+    off = np.abs(trajectory.reference - target).max(axis=(1, 2))
+    there = (trajectory.alpha == 1.0) & (off < _SAME_ATTITUDE)
+    recorded = np.isfinite(trajectory.alpha) & np.isfinite(off)
+    away = np.where(recorded, np.where(there, 0.0, 1.0), math.nan)
+    return settle_time(trajectory.time, away, 0.5)
+
+
+def _torque_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
     norm = series.torque_norm(trajectory)
-    limit = controller.max_torque if controller is not None else 0.0  # 0: no limit
+    limit = series.torque_limit(trajectory, scenario)
     cost = None
-    if controller is not None:
-        cost = _number(np.nansum(series.stage_costs(trajectory, controller.weights)))
+    if scenario is not None:
+        cost = _number(np.nansum(series.stage_costs(trajectory, scenario.controller.weights)))
     return {
         "max_torque": _number(_largest(norm)),
         "torque_limit": limit or None,
@@ -125,7 +148,11 @@ def _zone_metrics(
     return {"min_zone_margin_deg": min(known, default=None), "zone_margin_deg": margins}
 
 
-def _solver_metrics(trajectory: Trajectory) -> dict[str, Any]:
+def _solver_metrics(
+    trajectory: Trajectory, controller: ControllerParameters | None
+) -> dict[str, Any]:
+    own = controller is not None and controller.method == "feedback"
+    fallback = trajectory.source > (Source.FEEDBACK if own else Source.NEIGHBORING_EXTREMAL)
     solved = trajectory.status >= 0
     iterations = trajectory.iterations[solved]
     solve_time = trajectory.solve_time[np.isfinite(trajectory.solve_time)]
@@ -140,7 +167,7 @@ def _solver_metrics(trajectory: Trajectory) -> dict[str, Any]:
         "solve_time_p99": _quantile(solve_time, 0.99),
         "solve_time_max": _quantile(solve_time, 1.0),
         "sources": {source.name: sources[source] for source in Source if sources[source]},
-        "fallback_steps": int(np.count_nonzero(trajectory.source > Source.NEIGHBORING_EXTREMAL)),
+        "fallback_steps": int(np.count_nonzero(fallback)),
     }
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series, sphere, style
 from spacecraft_gnc.analysis.metrics import SETTLE_THRESHOLDS_DEG, settle_time
 from spacecraft_gnc.types import Array
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.scenario import Scenario
     from spacecraft_gnc.scenario.schema import ZoneParameters
 
 TIME_LABEL: Final = "time [s]"
@@ -26,17 +28,33 @@ _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale 
 _ZONE_COLOURS = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
 
 
-def attitude_error(axes: Axes, trajectory: Trajectory, *, scale: str = "log") -> None:
+def attitude_error(
+    axes: Axes,
+    trajectory: Trajectory,
+    scenario: Scenario | None = None,
+    *,
+    scale: str = "log",
+) -> None:
     """Draw the angle from reference to attitude, and when it settles below each threshold.
+
+    Where a governor shapes the reference, what settles is the angle to the target; that to the
+    reference is drawn beside it.
 
     Parameters
     ----------
+    scenario
+        Gives the target of a governed flight that has not arrived.
     scale
         ``log`` or ``linear``.
     """
     times = series.state_times(trajectory)
-    error = series.attitude_error_deg(trajectory)
-    axes.plot(times, error, color=style.INK, linewidth=1.5)
+    error = series.settling_error_deg(trajectory, scenario)
+    governed = series.target(trajectory, scenario) is not None
+    axes.plot(times, error, color=style.INK, linewidth=1.5, label="to the target")
+    if governed:
+        beside = series.attitude_error_deg(trajectory)
+        label = "to the governor's reference"
+        axes.plot(times, beside, color=style.AXIS_COLOURS[0], linewidth=1.0, label=label)
     axes.set(title="Attitude error", xlabel=TIME_LABEL, ylabel="angle [deg]")
     axes.set_xlim(times[0], times[-1])
     known = error[np.isfinite(error) & (error > 0.0)]
@@ -56,6 +74,8 @@ def attitude_error(axes: Axes, trajectory: Trajectory, *, scale: str = "log") ->
         axes.plot([time], [threshold], marker="v", markersize=5, color=style.INK)
         if axes.get_yscale() == "log":
             _label_settling(axes, time, threshold)
+    if governed:
+        _legend(axes, 2)
     if axes.get_yscale() != "log":  # the labels of small thresholds would lie on each other
         lines = [_settling_text(threshold, time) for threshold, time in settled.items()]
         axes.text(0.98, 0.95, "\n".join(lines), transform=axes.transAxes, ha="right", va="top")
@@ -122,6 +142,28 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
     axes.set_ylim(bottom=0.0)
     axes.margins(y=0.08)
     _legend(axes, 2)
+
+
+def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) -> None:
+    """Draw the share of the way that the governor allowed, and the way that is left."""
+    times, colour = series.state_times(trajectory), style.AXIS_COLOURS[0]
+    # Dots: alpha may be 0 at every other step, which a line would fill in.
+    axes.plot(times[:-1], trajectory.alpha, ".", markersize=3, color=colour, label=r"$\alpha$")
+    axes.set(title="Reference governor", xlabel=TIME_LABEL, ylabel="share of the way [-]")
+    axes.set_xlim(times[0], times[-1])
+    axes.set_ylim(-0.03, 1.03)
+    target = series.target(trajectory, scenario)
+    if target is None:
+        return
+    left = np.degrees(lie.angles_between(*np.broadcast_arrays(target, trajectory.reference)))
+    whole = float(np.nanmax(left, initial=0.0))
+    if whole > 0.0:
+        label = f"way left, of {whole:.3g}°"
+        axes.step(
+            *_held(trajectory, left / whole), where="post", color=style.INK, linewidth=1.0,
+            linestyle=style.AXIS_STYLES[1], label=label,
+        )  # fmt: skip
+        _legend(axes, 2)
 
 
 def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters, ...]) -> None:

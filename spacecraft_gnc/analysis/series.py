@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.types import Array, Matrix3
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.scenario import Scenario
     from spacecraft_gnc.scenario.schema import WeightParameters, ZoneParameters
 
 STALLED: Final = 6
@@ -47,6 +48,57 @@ def references(trajectory: Trajectory) -> Array:
 def attitude_error_deg(trajectory: Trajectory) -> Array:
     """Return (n + 1,) angles from reference to attitude [deg]."""
     return np.degrees(lie.angles_between(references(trajectory), attitudes(trajectory)))
+
+
+def is_governed(trajectory: Trajectory) -> bool:
+    """Tell whether a governor predicted, or held the reference back."""
+    predicted = np.isfinite(trajectory.governor_margin).any()
+    return bool(predicted or (trajectory.alpha < 1.0).any())
+
+
+def target(trajectory: Trajectory, scenario: Scenario | None = None) -> Matrix3 | None:
+    """Return the attitude (3, 3) that a governed flight was finally meant for.
+
+    A target commanded in flight is not recorded beside the decisions. It shows as a last reference
+    that stays with alpha = 1: only a target does, for an intermediate reference is left at once.
+    Otherwise the target is the scenario's. None where no governor flew, or neither is known.
+    """
+    if not is_governed(trajectory):
+        return None
+    last = trajectory.reference[-2:]
+    if len(last) == 2 and (trajectory.alpha[-2:] == 1.0).all() and np.array_equal(*last):
+        return np.asarray(last[-1])
+    if scenario is None:
+        return None
+    return lie.exp(scenario.governor.target_rotation_vector)
+
+
+def target_error_deg(trajectory: Trajectory, target: Matrix3) -> Array:
+    """Return (n + 1,) angles from a target attitude (3, 3) to the attitude [deg]."""
+    reached = attitudes(trajectory)
+    return np.degrees(lie.angles_between(np.broadcast_to(target, reached.shape), reached))
+
+
+def settling_error_deg(trajectory: Trajectory, scenario: Scenario | None = None) -> Array:
+    """Return (n + 1,) angles [deg] by which a flight is judged.
+
+    To the target where a governor moves the reference there, else to the reference.
+    """
+    aim = target(trajectory, scenario)
+    if aim is None:
+        return attitude_error_deg(trajectory)
+    return target_error_deg(trajectory, aim)
+
+
+def torque_limit(trajectory: Trajectory, scenario: Scenario | None) -> float:
+    """Return the limit on the norm of the torque [N m]; 0: none, or not known.
+
+    The controller's; where it has none, that of the governor in front of it.
+    """
+    if scenario is None:
+        return 0.0
+    governors = scenario.governor.max_torque if is_governed(trajectory) else 0.0
+    return scenario.controller.max_torque or governors
 
 
 def torque_norm(trajectory: Trajectory) -> Array:

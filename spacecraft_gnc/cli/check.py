@@ -1,4 +1,7 @@
-"""``gnc check``: can this scenario fly, and if not, why; without ROS and without kernels."""
+"""``gnc check``: can this scenario fly, and if not, why; without ROS.
+
+Kernels are loaded only where a core has to look ahead from the start.
+"""
 
 from __future__ import annotations
 
@@ -32,6 +35,7 @@ def check(
 
     try:
         checked = load(scenario, overrides or ())
+        checked.check_cores()
     except InvalidScenario as error:
         if not as_json:
             raise

@@ -157,8 +157,9 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     sources = ", ".join(f"{name} {count}" for name, count in m["sources"].items())
     rows = [
         ("control steps", f"{m['steps']} of {m['period']:g} s"),
-        ("error at the end", f"{_text(m['final_error_deg'], 5)} deg"),
+        ("error at the end", f"{_text(m['final_error_deg'], 5)} deg to the {m['error_to']}"),
         *((label, "never" if at is None else f"from {at:g} s") for label, at in settled),
+        *_governor_rows(m),
         ("largest torque", f"{_text(m['max_torque'], 8)} N m, {_limit(m)}"),
         ("sum of stage costs", _text(m["cost"], 10)),
         ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
@@ -180,6 +181,13 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append(("warning", text))
     # A row without a value starts with the dash alone; a negative number is a value.
     return [row for row in rows if row[1].split(" ")[0] != _NOTHING]
+
+
+def _governor_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
+    if m["min_governor_margin"] is None:
+        return []
+    at = m["alpha_one_time"]
+    return [("whole way allowed", "never" if at is None else f"from {at:g} s (alpha = 1)")]
 
 
 def _limit(m: dict[str, Any]) -> str:

@@ -11,7 +11,7 @@ import typer
 from spacecraft_gnc import lie
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, RunFailed, print_json
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.types import Array, unit_vector
 
 AxisOption = Annotated[
@@ -28,6 +28,10 @@ QuaternionOption = Annotated[
 ToleranceOption = Annotated[
     float, typer.Option("--tolerance-deg", min=0.0, help="0: the governor's default [deg].")
 ]
+
+
+class TargetRefused(GncError):
+    """The governor does not take the target; the last one stays."""
 
 
 def slew(
@@ -53,9 +57,11 @@ def slew(
     error_deg = math.degrees(result.final_error)
     if as_json:
         values = {"reached": result.reached, "final_error_deg": error_deg, "step": result.step}
-        print_json(values | {"message": result.message})
+        print_json(values | {"refused": result.refused, "message": result.message})
     elif result.reached and not quiet:
         print(f"{result.message} at step {result.step}, {error_deg:.4g} deg off")
+    if result.refused:
+        raise TargetRefused(result.message)
     if not result.reached:
         raise RunFailed(f"slew: not reached ({result.message})")
 

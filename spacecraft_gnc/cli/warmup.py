@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 from spacecraft_gnc.cli._common import QuietOption
 
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+
+_PREDICTED: Final = ("feedback", "shooting")
+"""Methods whose closed loop is predicted in compiled code."""
 _SPHEROID = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]  # [kg m^2]
 _ZONE = {
     "kind": "exclusion",
@@ -33,28 +39,52 @@ def warmup(
 
     from spacecraft_gnc.loop.controllers import problem_of
     from spacecraft_gnc.ocp import ShootingSolver
-    from spacecraft_gnc.scenario import from_sections, load, registry
+    from spacecraft_gnc.scenario import load
 
     started = time.perf_counter()
-    loaded = [load(path) for path in scenarios or ()]
-    along_a_run = {"method": "neighboring_extremal", "nominal_rotation_vector": [0.0, 0.0, 0.1]}
-    body = {"inertia": _SPHEROID}
-    loaded.append(from_sections({"plant": body, "nmpc_controller": along_a_run}, "warmup"))
-    for method, built_in in registry.BUILT_IN["controllers"].items():
-        for variant in built_in.variants or ("",):
-            controller = {"method": method, "zone_names": ["zone"], "zones": {"zone": _ZONE}}
-            if variant:
-                controller["variant"] = variant
-            plant = {"inertia": _SPHEROID, "initial_momentum": [0.0, 0.0, 0.1], "duration": 1.0}
-            loaded.append(from_sections({"plant": plant, "nmpc_controller": controller}, "warmup"))
-    for scenario in loaded:
+    built_in = [*_methods(), *_governors()]
+    for scenario in [load(path) for path in scenarios or ()]:
         for core in (
             scenario.build_plant(),
             scenario.build_controller(),
             scenario.build_governor(),
         ):
             core.warm_up()
-    loaded[-1].build().run()
-    ShootingSolver(problem_of(loaded[-1])).solve_batch(np.eye(3)[None], np.zeros((1, 3)))
+    for scenario in built_in:
+        scenario.build().run()
+    ShootingSolver(problem_of(built_in[0])).solve_batch(np.eye(3)[None], np.zeros((1, 3)))
     if not quiet:
         print(f"kernels ready after {time.perf_counter() - started:.1f} s")
+
+
+def _methods() -> Iterator[Scenario]:
+    """Yield a short flight of every built-in method and variant."""
+    from spacecraft_gnc.scenario import registry
+
+    for method, built_in in registry.BUILT_IN["controllers"].items():
+        for variant in built_in.variants or ("exact",):
+            yield _flight({"method": method, "variant": variant})
+    yield _flight({"method": "neighboring_extremal", "nominal_rotation_vector": [0.0, 0.0, 0.1]})
+
+
+def _governors() -> Iterator[Scenario]:
+    """Yield a short flight of every built-in governor, before each loop that is predicted."""
+    from spacecraft_gnc.scenario import registry
+
+    for governor in registry.BUILT_IN["governors"]:
+        for method in _PREDICTED:
+            if governor != "none" and method in registry.BUILT_IN["controllers"]:
+                target = {"target_rotation_vector": [0.1, 0.0, 0.0], "max_momentum": 1.0}
+                yield _flight({"method": method}, {"governor": governor, **target})
+
+
+def _flight(controller: dict[str, Any], governor: dict[str, Any] | None = None) -> Scenario:
+    from spacecraft_gnc.scenario import from_sections
+
+    zones = {"zone_names": ["zone"], "zones": {"zone": _ZONE}}
+    sections = {
+        "plant": {"inertia": _SPHEROID, "initial_momentum": [0.0, 0.0, 1e-3], "duration": 1.0},
+        "nmpc_controller": {**zones, **controller},
+        "reference_governor": governor or {},
+    }
+    return from_sections(sections, "warmup")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
@@ -20,6 +21,7 @@ RECORDER: Final = "recorder"
 COMPOSED: Final = "graph"
 """Name of the process that hosts all nodes in a composed launch."""
 _RUNS: Final = Path("runs")
+_DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
 _SCENARIO_FILE: Final = "scenario.yaml"
 
 
@@ -85,7 +87,7 @@ def make_plan(
 
     Raises
     ------
-    InvalidScenario
+    GncError
         The scenario cannot be flown.
     LaunchRefused
         The folder cannot be used, or there is no plant to fly.
@@ -97,11 +99,14 @@ def make_plan(
             f"{path}: launcher.nodes: received {list(nodes)}; required the plant among them, which "
             f"owns simulated time; use {list(NODE_NAMES)}"
         )
+    scenario.check_cores()
     folder = _make_folder(path, out)
     peers = [node for node in nodes if node != PLANT]
     changes: dict[str, Any] = {}
     if set(peers) != set(scenario.plant.peers):
         changes["plant.peers"] = peers
+    if any(_DURATION.match(text) for text in overrides):
+        changes["launcher.cut_short"] = "true"
     parameter_file = path.resolve()
     if overrides or changes:
         merged = load(path, [*overrides, *(f"{key}={value}" for key, value in changes.items())])

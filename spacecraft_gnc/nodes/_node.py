@@ -21,6 +21,7 @@ from std_msgs.msg import String
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._cdr import encode
+from spacecraft_gnc.nodes._convert import Stamp
 from spacecraft_gnc.nodes._params import load_scenario
 from spacecraft_gnc.nodes._readiness import Readiness
 from spacecraft_gnc.nodes._topics import DIAGNOSTICS, PLANT, READY, Topic
@@ -239,16 +240,23 @@ class GncNode(LifecycleNode):
             self.get_logger().warning(text)
             self.diagnose(DiagnosticStatus.WARN, text, {"rejected_messages": self.refused})
 
-    def diagnose(self, level: bytes, text: str, values: dict[str, Any]) -> None:
-        """Publish a diagnostic of this node."""
-        self._diagnostics.publish(self.diagnostic(level, text, values))
+    def diagnose(
+        self, level: bytes, text: str, values: dict[str, Any], stamp: Stamp | None = None
+    ) -> None:
+        """Publish a diagnostic of this node, of now or of the simulated time ``stamp``."""
+        self._diagnostics.publish(self.diagnostic(level, text, values, stamp))
 
-    def diagnostic(self, level: bytes, text: str, values: dict[str, Any]) -> bytes:
+    def diagnostic(
+        self, level: bytes, text: str, values: dict[str, Any], stamp: Stamp | None = None
+    ) -> bytes:
         """Serialize a diagnostic of this node."""
         entries = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
         status = DiagnosticStatus(level=level, name=self.ROLE, message=text, values=entries)
         message = DiagnosticArray(status=[status])
-        message.header.stamp = self.get_clock().now().to_msg()
+        if stamp is None:
+            message.header.stamp = self.get_clock().now().to_msg()
+        else:
+            message.header.stamp.sec, message.header.stamp.nanosec = stamp
         return encode(message)
 
     def fail(self, error: Exception) -> None:

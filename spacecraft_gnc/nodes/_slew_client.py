@@ -10,6 +10,7 @@ from rclpy.action import ActionClient
 from spacecraft_gnc_msgs.action import SlewTo
 
 from spacecraft_gnc.nodes._graph import GraphError, GraphView
+from spacecraft_gnc.nodes._slew_server import REFUSED
 from spacecraft_gnc.nodes._topics import SLEW_ACTION
 from spacecraft_gnc.types import Array
 
@@ -24,6 +25,8 @@ class SlewResult(NamedTuple):
     """[rad]"""
     step: int
     message: str
+    refused: bool
+    """Whether the governor did not take the target: what was flown before goes on."""
 
 
 def slew(
@@ -74,4 +77,6 @@ def slew(
         if not view.spin_until(result.done, _PATIENCE):
             raise GraphError(f"{SLEW_ACTION}: cancelled, but the governor did not confirm it")
     r = result.result().result
-    return SlewResult(r.reached, r.final_error, r.step, r.message)
+    refused = r.message.startswith(REFUSED)
+    message = r.message.removeprefix(REFUSED)
+    return SlewResult(r.reached, r.final_error, r.step, message, refused)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
-from rclpy.task import Future
 from spacecraft_gnc_msgs.action import SlewTo
 
 from spacecraft_gnc import lie
@@ -21,14 +21,19 @@ from spacecraft_gnc.types import Matrix3, Vector3
 
 _FEEDBACK_STRIDE = 10  # control steps between two feedback messages
 _NORM_TOLERANCE = 1e-3  # room for quaternions typed in with a few digits
+_STOPPED = "the governor was stopped"
+REFUSED: Final = "refused: "
+"""How the message of a goal begins that the governor did not take."""
+
+Answer: TypeAlias = "Callable[[GncError | None], None]"
+"""Told why a target was not taken; None: it was."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _Slew:
-    """A goal being flown."""
+    """A goal: put to the governor, then flown."""
 
     handle: Any
-    done: Future
     target: Matrix3
     tolerance: float
     message: str = ""
@@ -45,7 +50,7 @@ class SlewServer:
     node
         The node that hosts the action.
     set_target
-        Takes the target (3, 3); raises `GncError` with the reason where it is inadmissible.
+        Takes a target (3, 3) and tells by an `Answer`, now or later, whether the governor took it.
     tolerance, rate_tolerance
         A slew has arrived below this error [rad] (unless the goal names its own) and body rate
         [rad/s].
@@ -54,27 +59,35 @@ class SlewServer:
     def __init__(
         self,
         node: Node,
-        set_target: Callable[[Matrix3], None],
+        set_target: Callable[[Matrix3, Answer], None],
         tolerance: float,
         rate_tolerance: float,
     ) -> None:
-        self._node = node
         self._set_target = set_target
         self._tolerance = tolerance
         self._rate_tolerance = rate_tolerance
         self._slew: _Slew | None = None
+        self._asked: list[_Slew] = []
         self._server = ActionServer(
             node,
             SlewTo,
             SLEW_ACTION,
-            self._fly,
+            _result,
+            handle_accepted_callback=self._accept,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
 
     def destroy(self) -> None:
-        """Abort the goal being flown and withdraw the action."""
-        self.preempt("the governor was stopped")
+        """Withdraw the action."""
+        self.stop()
         self._server.destroy()
+
+    def stop(self) -> None:
+        """Abort every goal: the governor answers no more."""
+        self.preempt(_STOPPED)
+        for slew in self._asked:
+            _end(slew, "abort", _STOPPED)
+        self._asked.clear()
 
     def preempt(self, reason: str) -> None:
         """Abort the goal being flown, if there is one."""
@@ -97,32 +110,49 @@ class SlewServer:
             feedback = SlewTo.Feedback(step=state.step, error_angle=slew.error, alpha=alpha)
             slew.handle.publish_feedback(feedback)
 
-    async def _fly(self, handle: Any) -> SlewTo.Result:
-        """Fly one goal: begin it, then wait until `update` or another goal ends it."""
-        slew = _Slew(handle, Future(executor=self._node.executor), np.eye(3), self._tolerance)
+    def _accept(self, handle: Any) -> None:
+        """Put a goal to the governor.
+
+        The goal is executed at its end only, when its result is known: while a coroutine waits for
+        something, the EventsExecutor asks it again and again, and takes a whole processor core.
+        """
+        slew = _Slew(handle, np.eye(3), self._tolerance)
+        self._asked.append(slew)
         try:
             slew.target = _target(handle.request.target)
             slew.tolerance = _tolerance(handle.request.tolerance) or self._tolerance
-            self._set_target(slew.target)
-        except GncError as error:
-            handle.abort()
-            return SlewTo.Result(reached=False, final_error=math.nan, message=str(error))
+        except _BadGoal as error:
+            self._begin(slew, error)
+        else:
+            self._set_target(slew.target, partial(self._begin, slew))
+
+    def _begin(self, slew: _Slew, refusal: GncError | None) -> None:
+        """Fly a goal that was taken; an older one goes on where it was not."""
+        if slew not in self._asked:
+            return  # stopped meanwhile
+        self._asked.remove(slew)
+        if refusal is not None:
+            _end(slew, "abort", f"{REFUSED}{refusal}")
+            return
         self.preempt("preempted by a newer target")
         self._slew = slew
-        await slew.done
-        return SlewTo.Result(
-            reached=slew.reached,
-            final_error=slew.error,
-            step=slew.step,
-            message=slew.message,
-        )
 
     def _end(self, outcome: str, message: str) -> None:
         slew, self._slew = self._slew, None
         if slew is not None:
-            slew.message = message
-            getattr(slew.handle, outcome)()
-            slew.done.set_result(None)
+            _end(slew, outcome, message)
+
+
+def _end(slew: _Slew, outcome: str, message: str) -> None:
+    slew.message = message
+    slew.handle.execute(partial(_result, slew=slew))
+    getattr(slew.handle, outcome)()
+
+
+def _result(_: Any, slew: _Slew) -> SlewTo.Result:
+    return SlewTo.Result(
+        reached=slew.reached, final_error=slew.error, step=slew.step, message=slew.message
+    )
 
 
 class _BadGoal(GncError):

@@ -9,7 +9,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Generic, TypeVar
 
-from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.errors import GncError, LaunchError
 from spacecraft_gnc.nodes._node import GncNode
 
 _PATIENCE = 2.0  # [s] wall time granted to a job at the end; less than a launcher grants a node
@@ -45,21 +45,34 @@ class Worker(Generic[Job, Result]):
         self._deliver = deliver
         self._jobs: SimpleQueue[Job | None] = SimpleQueue()
         self._closed = False
-        self.busy = False
-        """Whether a job is under way."""
+        self._under_way = 0
         # A daemon, so that a job without end cannot keep the process from ending.
         self._thread = Thread(target=self._work, name=f"{node.ROLE} worker", daemon=True)
         self._thread.start()
 
     @property
-    def alive(self) -> bool:
-        """Whether the thread still runs."""
-        return self._thread.is_alive()
+    def busy(self) -> bool:
+        """Whether a job is under way, or waits for the one that is."""
+        return self._under_way > 0
 
     def give(self, job: Job) -> None:
-        """Begin a job."""
-        self.busy = True
+        """Begin a job, as soon as those given before have ended."""
+        self._under_way += 1
         self._jobs.put(job)
+
+    def require_end(self, work: str) -> None:
+        """Refuse an activation while a job of the last one goes on.
+
+        Raises
+        ------
+        LaunchError
+            If the thread still runs.
+        """
+        if self._thread.is_alive():
+            raise LaunchError(
+                f"{self._node.ROLE}: received an activation while a {work} of the last one goes "
+                "on; required its end; try again later"
+            )
 
     def close(self) -> None:
         """Deliver no more, and wait a little for the thread to end."""
@@ -83,7 +96,7 @@ class Worker(Generic[Job, Result]):
     # In the executor's thread.
 
     def _hand_over(self, outcome: Callable[[], None]) -> None:
-        self.busy = False
+        self._under_way -= 1
         try:
             outcome()
         except Exception as error:  # noqa: BLE001 - here it would kill the process: ros2/rclpy#1641

@@ -9,7 +9,6 @@ from typing import ClassVar, NamedTuple
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.loop.protocols import Command, Reference, State
 from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._markers import encode_zone_markers
@@ -82,11 +81,8 @@ class ControllerNode(GncNode):
 
     def start(self) -> None:
         """Forget the past."""
-        if self._worker is not None and self._worker.alive:
-            raise LaunchError(
-                f"{self.ROLE}: received an activation while a solve of the last one goes on; "
-                "required its end; try again later"
-            )
+        if self._worker is not None:
+            self._worker.require_end("solve")
         self._controller.reset()
         self._state_bytes = self._torque_bytes = b""
         self._state: State | None = None

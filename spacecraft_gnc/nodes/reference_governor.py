@@ -3,23 +3,53 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from collections.abc import Callable
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
 
-from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.loop.protocols import State
+from diagnostic_msgs.msg import DiagnosticStatus
+
+from spacecraft_gnc.errors import GncError, LaunchError
+from spacecraft_gnc.loop.protocols import GovernorDecision, State
 from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes._governor_watch import GovernorWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.nodes._slew_server import SlewServer
+from spacecraft_gnc.nodes._slew_server import Answer, SlewServer
 from spacecraft_gnc.nodes._status import GovernorStatusEncoder
 from spacecraft_gnc.nodes._topics import GOVERNOR, GOVERNOR_STATUS, REFERENCE, STATE, TARGET
+from spacecraft_gnc.nodes._worker import Worker
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.types import Matrix3, Vector3
 
 _NEVER = -1
+_ACTIVATE = "required an active one; try again later"
+
+
+class _Received(NamedTuple):
+    """A state to be answered."""
+
+    stamp: convert.Stamp
+    state: State
+    rate: Vector3
+    """Body rate (3,) [rad/s]."""
+
+
+class _Job(NamedTuple):
+    """Something the governor is asked for, and who takes its answer."""
+
+    compute: Callable[[], Any]
+    deliver: Callable[[Any], None]
 
 
 class GovernorNode(GncNode):
-    """Publishes reference k on state k; takes targets by topic and by the SlewTo action."""
+    """Publishes reference k on state k; takes targets by topic and by the SlewTo action.
+
+    A slow governor decides in a thread of its own, and the node stays responsive meanwhile. States
+    and targets are put to it in the order in which they came: a target that comes during a decision
+    counts from the next one. Of the states that come during a decision the last is answered next; a
+    step passed over is counted.
+    """
 
     ROLE: ClassVar[str] = GOVERNOR
 
@@ -27,8 +57,15 @@ class GovernorNode(GncNode):
         """Build the governor and load its kernels."""
         self._governor = scenario.build_governor()
         self._governor.warm_up()
+        self._worker: Worker[_Job, Any] | None = None
         self._status = GovernorStatusEncoder()
-        self._step = _NEVER
+        parameters = scenario.governor
+        self._tolerances = (
+            math.radians(parameters.slew_tolerance_deg),
+            parameters.slew_rate_tolerance,
+        )
+        self._watch = GovernorWatch(*self._tolerances)
+        self._step = self._received_step = _NEVER
 
     def open(self) -> None:
         """Create the endpoints."""
@@ -36,62 +73,131 @@ class GovernorNode(GncNode):
         self._publish_status = self.advertise(GOVERNOR_STATUS).publish
         self.listen(STATE, self._on_state)
         self.listen(TARGET, self._on_target)
-        parameters = self.scenario.governor
-        self._slews = SlewServer(
-            self,
-            self._governor.set_target,
-            math.radians(parameters.slew_tolerance_deg),
-            parameters.slew_rate_tolerance,
-        )
+        self._slews = SlewServer(self, self._set_target, *self._tolerances)
         self.on_close(self._slews.destroy)
 
     def start(self) -> None:
         """Return to the scenario's target."""
+        if self._worker is not None:
+            self._worker.require_end("decision")
         self._governor.reset()
-        self._step = _NEVER
+        self._watch.reset()
+        self._step = self._received_step = _NEVER
+        self._waiting: _Received | None = None
+        self._deciding = False
+        self._skipped = 0
         self._state_bytes = self._reference_bytes = b""
+        # A fast decision costs less than handing it to another thread and back.
+        self._worker = Worker(self, _compute, _deliver) if self._governor.slow else None
 
     def stop(self) -> None:
-        """Let go of the slew being flown."""
-        self._slews.preempt("the governor was stopped")
+        """Drop the decision that is under way, and the slew being flown."""
+        if self._worker is not None:
+            self._worker.close()
+        self._slews.stop()
+        if self._skipped:
+            text = f"{self._skipped} steps passed over without an answer"
+            self.diagnose(DiagnosticStatus.WARN, text, {"skipped_steps": self._skipped})
 
     def progress(self) -> int:
-        """Step answered last."""
-        return self._step
+        """Step received last."""
+        return self._received_step
+
+    # What arrives.
 
     def _on_state(self, data: bytes) -> None:
         if not self.active:
             return
         if data == self._state_bytes:
-            self._publish_reference(self._reference_bytes)
+            if self._reference_bytes:
+                self._publish_reference(self._reference_bytes)
             return
         try:
-            stamp, state, rate = convert.decode_state(data, self._step)
+            received = _Received(*convert.decode_state(data, self._received_step))
         except convert.Refused as error:
             self.refuse(STATE, str(error))
             return
-        self._step = state.step
-        self._state_bytes = data
-        alpha = self._answer(stamp, state)
-        self._slews.update(state, rate, alpha)
-
-    def _answer(self, stamp: convert.Stamp, state: State) -> float:
-        decision = self._governor.decide(state)
-        self._reference_bytes = convert.encode_reference(stamp, state.step, decision.reference)
-        self._publish_reference(self._reference_bytes)
-        self._publish_status(self._status.encode(stamp, state.step, decision))
-        return decision.alpha
+        self._received_step = received.state.step
+        self._state_bytes, self._reference_bytes = data, b""
+        self._waiting = received
+        self._decide_next()
 
     def _on_target(self, data: bytes) -> None:
         if not self.active:
             return
         try:
             _, target = convert.decode_reference(data)
-            self._governor.set_target(target.attitude)
-        except (convert.Refused, GncError) as error:
+        except convert.Refused as error:
             self.refuse(TARGET, str(error))
             return
-        self._slews.preempt(f"replaced by a target on the topic {TARGET.name}")
+        self._set_target(target.attitude, self._on_target_answered)
+
+    def _on_target_answered(self, refusal: GncError | None) -> None:
+        if refusal is not None:
+            self.refuse(TARGET, str(refusal))
+        else:
+            self._slews.preempt(f"replaced by a target on the topic {TARGET.name}")
+
+    # What the governor is asked for.
+
+    def _set_target(self, target: Matrix3, answer: Answer) -> None:
+        if not self.active:
+            answer(LaunchError(f"target: received by an inactive {self.ROLE}; {_ACTIVATE}"))
+            return
+        self._ask(_Job(partial(self._refusal, target), answer))
+
+    def _refusal(self, target: Matrix3) -> GncError | None:
+        """Give the governor a target; return why it does not take it."""
+        try:
+            self._governor.set_target(target)
+        except GncError as error:
+            return error
+        return None
+
+    def _decide_next(self) -> None:
+        received = self._waiting
+        if received is None or self._deciding:
+            return
+        if self._step != _NEVER:
+            self._skipped += received.state.step - self._step - 1
+        self._step = received.state.step
+        self._waiting, self._deciding = None, True
+        self._ask(_Job(partial(self._decide, received.state), partial(self._publish, received)))
+
+    def _decide(self, state: State) -> tuple[GovernorDecision, Matrix3]:
+        return self._governor.decide(state), self._governor.target
+
+    def _ask(self, job: _Job) -> None:
+        if self._worker is None:
+            job.deliver(job.compute())
+        else:
+            self._worker.give(job)
+
+    # What goes out.
+
+    def _publish(self, received: _Received, decided: tuple[GovernorDecision, Matrix3]) -> None:
+        self._deciding = False
+        stamp, state, rate = received
+        decision, target = decided
+        data = convert.encode_reference(stamp, state.step, decision.reference)
+        if self._waiting is None:  # else it is not the answer to the last state
+            self._reference_bytes = data
+        self._publish_reference(data)
+        self._publish_status(self._status.encode(stamp, state.step, decision))
+        self._slews.update(state, rate, decision.alpha)
+        trouble = self._watch.look(state, rate, decision, target)
+        if trouble is not None:
+            self.get_logger().warning(trouble.text)
+            self.diagnose(DiagnosticStatus.WARN, trouble.text, trouble.values, stamp)
+        self._decide_next()
+
+
+def _compute(job: _Job) -> Any:
+    return job.compute()
+
+
+def _deliver(job: _Job, answer: Any) -> None:
+    job.deliver(answer)
 
 
 def main() -> int:

@@ -16,6 +16,7 @@ from spacecraft_gnc.scenario.checked import Checked
 from spacecraft_gnc.scenario.checks_governor import check_governor_parameters
 from spacecraft_gnc.scenario.checks_method import check_method
 from spacecraft_gnc.scenario.checks_pointing import check_pointing
+from spacecraft_gnc.scenario.checks_target import check_target
 from spacecraft_gnc.scenario.checks_torque import check_torque
 from spacecraft_gnc.scenario.parameter import Value, specs_of
 from spacecraft_gnc.scenario.problems import shown, suggestion
@@ -37,6 +38,7 @@ def check_all(checked: Checked) -> None:
     _check_times(checked)
     _check_momentum(checked)
     check_pointing(checked)
+    check_target(checked)
     check_torque(checked)
 
 

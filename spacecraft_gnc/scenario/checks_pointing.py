@@ -32,7 +32,7 @@ def check_pointing(checked: Checked) -> None:
 
     Every attitude violates one of two contradictory zones, so these are not held against it.
     """
-    zones = _zones(checked)
+    zones = zones_of(checked)
     contradictory = set()
     for first, second in combinations(zones, 2):
         if leave_nothing(first, second):
@@ -64,7 +64,7 @@ def attitude_of(checked: Checked, what: str) -> Matrix3 | None:
     return lie.exp(np.array(value)) if known else None
 
 
-def _zones(checked: Checked) -> list[Cone]:
+def zones_of(checked: Checked) -> list[Cone]:
     """Return the listed zones whose parameters were all admitted."""
     listed = checked.get(_CONTROLLER, "zone_names")
     zones = []

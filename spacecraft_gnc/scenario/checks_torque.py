@@ -98,11 +98,13 @@ def _check_torque_weight(checked: Checked, columns: int) -> None:
 def _check_reach(checked: Checked, gain: float) -> None:
     """Refuse a flight that ends before any torque could bring the body to the target, at rest.
 
-    A duration that is laid over the file is meant to cut a flight short and stays allowed.
+    A duration that is laid over the file is meant to cut a flight short and stays allowed, also in
+    the file that the launcher saved of such a flight.
     """
     duration = checked.get("plant", "duration")
     limit = checked.get(_CONTROLLER, "max_torque")
-    if checked.is_laid_over("plant", "duration") or not _steers(checked):
+    cut = checked.is_laid_over("plant", "duration") or checked.get("launcher", "cut_short")
+    if cut or not _steers(checked):
         return
     attitudes = attitude_of(checked, "start"), attitude_of(checked, "target")
     motion = _motion(checked)

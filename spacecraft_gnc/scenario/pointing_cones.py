@@ -46,10 +46,19 @@ class Cone(NamedTuple):
         """Return the angle [rad] between the body axis at an attitude (3, 3) and the cone axis."""
         return angle_of(attitude @ self.body_axis, self.cone_axis)
 
+    def margin(self, attitude: Matrix3) -> float:
+        """Return the angle [rad] left to the border at an attitude (3, 3); negative: violated."""
+        excess = self.angle(attitude) - self.half_angle
+        return excess if self.is_exclusion else -excess
+
     def is_violated(self, attitude: Matrix3) -> bool:
         """Tell whether the body axis is on the wrong side of the cone at an attitude (3, 3)."""
-        excess = self.angle(attitude) - self.half_angle
-        return (-excess if self.is_exclusion else excess) > ANGLE_TOLERANCE
+        return self.margin(attitude) < -ANGLE_TOLERANCE
+
+    def shrunk(self, margin: float) -> Cone:
+        """Return the zone that leaves less by an angle [rad] at its border."""
+        change = margin if self.is_exclusion else -margin
+        return self._replace(half_angle=self.half_angle + change)
 
     def mirrored(self) -> Cone:
         """Return the same demand, put to the opposite body axis."""

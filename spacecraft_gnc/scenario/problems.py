@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
-from spacecraft_gnc.errors import ScenarioError
+from spacecraft_gnc.errors import GncError, ScenarioError
 
 _LONGEST_VALUE = 100  # characters of a value that a line shows
 _LONGEST_LIST = 8  # words that a remedy enumerates
@@ -48,6 +48,29 @@ class InvalidScenario(ScenarioError):
     def __init__(self, problems: Iterable[Problem]) -> None:
         self.problems: tuple[Problem, ...] = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
+
+
+def problem_of(error: GncError, file: str, section: str, known: Sequence[str]) -> Problem | None:
+    """Return the problem that a core complains of; None where its message has another form.
+
+    Parameters
+    ----------
+    error
+        Its message is "what: received VALUE; required X; remedy".
+    file
+        Of the scenario.
+    section
+        That the core was built from.
+    known
+        Names of that section's parameters.
+    """
+    what, _, rest = str(error).removeprefix(f"{section}.").partition(": received ")
+    value, _, rest = rest.partition("; required ")
+    requirement, _, remedy = rest.partition("; ")
+    if not (value and requirement and remedy):
+        return None
+    key = f"{section}.{what}" if what in known else f"{section} ({what})"
+    return Problem(file, None, key, value, requirement, remedy)
 
 
 def shown(value: Any) -> str:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Final, cast
 
 import numpy as np
 
+from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.declare import flatten, unflatten
+from spacecraft_gnc.scenario.declare import flatten, known_names, unflatten
 from spacecraft_gnc.scenario.parameter import Value
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem
+from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, problem_of
 from spacecraft_gnc.scenario.schema import (
     ControllerParameters,
     GovernorParameters,
@@ -27,6 +28,9 @@ from spacecraft_gnc.types import Matrix3
 if TYPE_CHECKING:  # the cores need numba, a check of a file does not
     from spacecraft_gnc.loop.closed_loop import ClosedLoop
     from spacecraft_gnc.loop.protocols import Controller, Governor, Plant
+
+_REFUSE_STARTS: Final = ("terminal_set",)
+"""Methods that refuse a start when they are built."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -89,13 +93,42 @@ class Scenario:
         return cast("Plant", registry.create("plants", self.plant.vehicle, self))
 
     def build_controller(self) -> Controller:
-        """Return the controller named by ``nmpc_controller.method``."""
+        """Return the controller named by ``nmpc_controller.method``.
+
+        Raises
+        ------
+        InvalidScenario
+            With what the controller refuses, such as a start from which it has no solution.
+        """
         self._require("nmpc_controller.inertia", self.controller.inertia)
-        return cast("Controller", registry.create("controllers", self.controller.method, self))
+        return cast("Controller", self._create("controllers", self.controller.method))
 
     def build_governor(self) -> Governor:
-        """Return the governor named by ``reference_governor.governor``."""
-        return cast("Governor", registry.create("governors", self.governor.governor, self))
+        """Return the governor named by ``reference_governor.governor``.
+
+        Raises
+        ------
+        InvalidScenario
+            With what the governor refuses, such as a start from which its prediction violates a
+            limit.
+        """
+        name = self.governor.governor
+        if name == "attitude":
+            self._require("nmpc_controller.inertia", self.controller.inertia)
+        return cast("Governor", self._create("governors", name))
+
+    def check_cores(self) -> None:
+        """Have the cores that look ahead refuse what no value shows by itself.
+
+        Raises
+        ------
+        GncError
+            As `build_controller` and `build_governor` do.
+        """
+        if self.controller.method in _REFUSE_STARTS:
+            self.build_controller()
+        if self.governor.governor != "none":
+            self.build_governor()
 
     def to_yaml(self, defaults: bool = False) -> str:
         """Return a ROS 2 parameter file that loads as this scenario.
@@ -108,6 +141,18 @@ class Scenario:
         if not defaults:
             return sections_to_yaml(self.sections)
         return sections_to_yaml({s: unflatten(values) for s, values in self.values.items()})
+
+    def _create(self, group: str, name: str) -> Any:
+        try:
+            return registry.create(group, name, self)
+        except InvalidScenario:
+            raise
+        except GncError as error:
+            section = registry.KEYS[group].partition(".")[0]
+            problem = problem_of(error, self.path, section, known_names(section))
+            if problem is None:
+                raise
+            raise InvalidScenario([problem]) from error
 
     def _require(self, key: str, inertia: Matrix3) -> None:
         if np.isnan(inertia).any():

@@ -275,6 +275,12 @@ class LauncherParameters:
         maximum=232,
     )
     composed: bool = parameter(Kind.BOOL, False, "run all nodes in one process")
+    cut_short: bool = parameter(
+        Kind.BOOL,
+        False,
+        "fly although plant.duration ends before the target is in reach; gnc launch sets it in the "
+        "file it saves where the duration was replaced",
+    )
 
 
 SECTIONS: Final[Mapping[str, type]] = {

@@ -13,6 +13,7 @@ from analysis.flights import at_rest, case1, scenario, zone
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import panels, sphere, style
 from spacecraft_gnc.analysis.figures import FORMATS, flight_figures, save_figures
 from spacecraft_gnc.errors import RecordingError
@@ -212,3 +213,20 @@ def area(loops):
         x, y = np.append(loop, loop[:1], axis=0).T
         total += 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])
     return abs(total)
+
+
+def test_a_governed_flight_shows_alpha_and_the_error_to_its_target():
+    alpha = np.where(np.arange(20) % 2, 0.0, 0.4)
+    reference = np.array([lie.exp(np.array([0.0, 0.0, angle])) for angle in np.linspace(1, 0, 20)])
+    flight = at_rest(alpha=alpha, governor_margin=np.full(20, 0.01), reference=reference)
+    figures = dict(flight_figures(flight, scenario()))
+    assert "governor" in figures
+    (error,) = figures["attitude_error"].axes
+    labels = [text.get_text() for text in error.get_legend().get_texts()]
+    assert labels == ["to the target", "to the governor's reference"]
+    assert np.allclose(error.lines[0].get_ydata(), 0.0)
+    (panel,) = figures["governor"].axes
+    assert np.array_equal(panel.lines[0].get_ydata(), alpha)
+    left = panel.lines[1].get_ydata()
+    assert (left[0], left[-1]) == (pytest.approx(1.0), pytest.approx(0.0, abs=1e-7))
+    assert "governor" not in dict(flight_figures(at_rest(), scenario()))

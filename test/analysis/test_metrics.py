@@ -15,6 +15,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import settle_time, summarize
 from spacecraft_gnc.ocp import Status
+from spacecraft_gnc.scenario import from_sections
 
 
 def about_z(degrees):
@@ -129,6 +130,72 @@ def test_a_flight_without_a_solver_has_no_solver_metrics():
     metrics = summarize(at_rest(status=np.full(20, -1), solve_time=nothing))
     names = ("iterations_median", "iterations_max", "solve_time_median", "solve_time_p99")
     assert [metrics[name] for name in names] == [None] * 4
+
+
+def governed(references, alpha, **replaced):
+    """Return a flight whose attitude is the reference of the step before, in degrees about z."""
+    reference = np.array([about_z(degrees) for degrees in references])
+    attitude = np.concatenate([reference[:1], reference])
+    zero = np.zeros((len(attitude), 3))
+    fields = {"reference": reference, "final_reference": reference[-1], "alpha": np.array(alpha)}
+    fields["governor_margin"] = np.linspace(0.02, 0.01, len(reference))
+    return trajectory(attitude, zero, zero[:-1], **fields | replaced)
+
+
+def test_a_governed_flight_is_judged_by_its_target():
+    flight = governed([8.0, 4.0, 2.0, 0.5, 0.0, 0.0], [0.5, 0.5, 0.75, 0.75, 1.0, 1.0])
+    for known in (scenario(), None):  # a target that was reached needs no scenario
+        metrics = summarize(flight, known)
+        assert metrics["error_to"] == "target"
+        assert metrics["final_error_deg"] == pytest.approx(0.0, abs=1e-9)
+        assert metrics["settle_time_5deg"] == pytest.approx(2 * PERIOD)
+        assert metrics["settle_time_1deg"] == pytest.approx(4 * PERIOD)
+        assert metrics["alpha_one_time"] == pytest.approx(4 * PERIOD)
+        assert metrics["min_governor_margin"] == pytest.approx(0.01)
+
+
+def test_a_reference_on_its_way_is_no_target():
+    flight = governed([8.0, 4.0, 2.0, 2.0], [0.5, 1.0, 0.5, 0.0])  # 1: of an intermediate one
+    metrics = summarize(flight, scenario())
+    assert (metrics["error_to"], metrics["alpha_one_time"]) == ("target", None)
+    assert metrics["final_error_deg"] == pytest.approx(2.0)
+    assert metrics["settle_time_5deg"] == pytest.approx(2 * PERIOD)
+    unknown = summarize(flight)  # the target, without the scenario
+    assert (unknown["error_to"], unknown["alpha_one_time"]) == ("reference", None)
+    assert unknown["min_governor_margin"] == pytest.approx(0.01)
+
+
+def test_a_target_commanded_in_flight_is_seen_once_it_is_reached():
+    flight = governed([8.0, 4.0, 0.0, 10.0, 30.0, 30.0], [0.5, 0.5, 1.0, 0.5, 1.0, 1.0])
+    metrics = summarize(flight, scenario())
+    assert metrics["final_error_deg"] == pytest.approx(0.0, abs=1e-6)
+    assert metrics["alpha_one_time"] == pytest.approx(4 * PERIOD)
+
+
+def test_a_flight_without_a_governor_has_no_governor_metrics():
+    metrics = summarize(at_rest(), scenario())
+    values = metrics["error_to"], metrics["alpha_one_time"], metrics["min_governor_margin"]
+    assert values == ("reference", None, None)
+
+
+def test_the_torque_limit_may_be_the_governors():
+    known = from_sections(
+        {
+            "plant": {"inertia": [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]},
+            "nmpc_controller": {"method": "feedback", "max_torque": 0.0},
+            "reference_governor": {"governor": "attitude", "max_torque": 0.02},
+        }
+    )
+    flight = governed([1.0, 0.0], [0.5, 1.0])
+    assert summarize(flight, known)["torque_limit"] == 0.02
+    assert summarize(at_rest(2), known)["torque_limit"] is None  # no governor flew
+
+
+def test_the_torque_of_the_feedback_method_is_no_fallback():
+    flight = at_rest(3, source=np.array([3, 3, 4]))
+    feedback = scenario(method="feedback")
+    assert summarize(flight, feedback)["fallback_steps"] == 1
+    assert summarize(flight, scenario())["fallback_steps"] == 3
 
 
 def test_lost_steps_are_counted_and_passed_over():

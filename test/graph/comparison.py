@@ -21,6 +21,8 @@ EXACT = (
     "cost",
     "status",
     "source",
+    "alpha",
+    "governor_margin",
     "final_attitude",
     "final_momentum",
 )

@@ -35,6 +35,20 @@ def test_overrides_are_merged_into_a_file_of_the_run() -> None:
     assert not plan.records
 
 
+def test_a_flight_cut_short_can_be_launched_again_from_its_file() -> None:
+    short = "plant.duration=2.0"  # far too short for the target
+    saved = make_plan(CASE1, [short], out=Path("x")).parameter_file
+    assert make_plan(saved).scenario.plant.duration == 2.0
+    whole = make_plan(CASE1, ["nmpc_controller.horizon=6"], out=Path("y")).scenario
+    assert not whole.launcher.cut_short
+    text = saved.read_text().replace("cut_short: true", "cut_short: false")
+    saved.write_text(text)
+    with pytest.raises(
+        InvalidScenario, match=r"plant\.duration: received 2\.0 s; required at least"
+    ):
+        make_plan(saved)
+
+
 def test_refusals(tmp_path: Path) -> None:
     with pytest.raises(InvalidScenario, match=r"plant\.durations"):
         make_plan(CASE1, ["plant.durations=2"], out=Path("y"))

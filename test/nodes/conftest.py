@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from rclpy.signals import SignalHandlerOptions
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.nodes._node import GncNode
 
+PATIENCE = 30.0  # [s] wall: after this a test has failed
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 
 
@@ -33,11 +35,11 @@ class Ros:
         return node
 
     def spin_until(self, done: Callable[[], bool]) -> None:
-        for _ in range(400):
-            if done():
-                return
+        patience = time.monotonic() + PATIENCE
+        while not done():
+            if time.monotonic() > patience:
+                raise AssertionError("never came true")
             self.executor.spin_once(timeout_sec=0.05)
-        raise AssertionError("never came true")
 
 
 @pytest.fixture

@@ -166,7 +166,7 @@ def test_a_result_that_comes_after_deactivation_is_dropped(ros: Any, controller:
     worker = controller._worker
     Gated.gate.release()
     controller.trigger_deactivate()  # joins the thread: the result is on its way to the executor
-    assert not worker.alive
+    assert not worker._thread.is_alive()
     controller.trigger_activate()
     ros.spin_until(lambda: not worker.busy)
     assert controller.sent == []
@@ -183,7 +183,7 @@ def test_a_solve_without_end_does_not_hold_the_node(
     ask(controller, 0)
     assert controller.trigger_deactivate().name == "SUCCESS"
     worker = controller._worker
-    assert worker.alive
+    assert worker._thread.is_alive()
     assert controller.trigger_activate().name == "FAILURE"
     assert "solve of the last one goes on" in str(controller.failure)
     Gated.gate.release()
@@ -201,7 +201,7 @@ def test_a_node_configured_anew_does_not_wait_for_it(
     worker = controller._worker
     for transition in ("deactivate", "cleanup", "configure", "activate"):
         assert getattr(controller, f"trigger_{transition}")().name == "SUCCESS"
-    assert worker.alive
+    assert worker._thread.is_alive()
     sent: list[bytes] = []
     controller._publish_torque = sent.append
     controller._due = 100

@@ -1,0 +1,152 @@
+"""A governor in the graph: the same bytes every time; targets in flight, taken and refused."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rclpy
+from geometry_msgs.msg import Quaternion
+from graph.comparison import CASE1, assert_equals_simulation
+from graph.test_flight import payloads
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from spacecraft_gnc_msgs.action import SlewTo
+from spacecraft_gnc_msgs.msg import GovernorStatus
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.launcher.launcher import Launcher
+from spacecraft_gnc.launcher.outcome import Interrupted
+from spacecraft_gnc.loop.protocols import Reference
+from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes._topics import DIAGNOSTICS, GOVERNOR_STATUS, TARGET
+from spacecraft_gnc.recording.reader import read_flight
+
+pytestmark = pytest.mark.graph
+
+KALABIC = CASE1.parent / "kalabic2014_governor.yaml"
+COMPOSED = "launcher.composed=true"
+SHORT = "plant.duration=12.0"
+LONG = "plant.duration=4000.0"  # [s]: more than the slews take; the launch is ended after them
+PATIENCE = 60.0  # [s] wall: after this a test has failed
+LIMIT = 0.02  # [N m]
+
+
+def about_x(degrees: float) -> np.ndarray:
+    return lie.exp(np.array([math.radians(degrees), 0.0, 0.0]))
+
+
+class Operator:
+    """Commands targets while the graph flies, then ends the flight."""
+
+    def __init__(self) -> None:
+        self.first: Any = None
+        self.refused: Any = None
+        self.second: Any = None
+        self.diagnostics: list[Any] = []
+        self.admissible: list[bool] = []
+        self.feedback: dict[str, list[Any]] = {}
+
+    def __call__(self, launcher: Launcher) -> None:
+        context = rclpy.Context()
+        rclpy.init(args=[], context=context, domain_id=launcher._domain_id)
+        self.executor = SingleThreadedExecutor(context=context)
+        self.node = Node("operator", context=context)
+        self.executor.add_node(self.node)
+        try:
+            self.command()
+        finally:
+            self.node.destroy_node()
+            self.executor.shutdown()
+            rclpy.shutdown(context=context)
+        launcher._signal = 2
+
+    def command(self) -> None:
+        self.action = ActionClient(self.node, SlewTo, "slew_to")
+        assert self.action.wait_for_server(PATIENCE)
+        topic = self.node.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+        listen = self.node.create_subscription
+        listen(GovernorStatus, GOVERNOR_STATUS.name, self.on_status, GOVERNOR_STATUS.qos)
+        listen(DIAGNOSTICS.type, DIAGNOSTICS.name, self.on_diagnostics, DIAGNOSTICS.qos)
+        first = self.send("first", about_x(40.0))
+        self.spin(lambda: self.feedback["first"])
+        self.refused = self.result(self.send("refused", about_x(75.0)))
+        target = convert.encode_reference((0, 0), 0, Reference(about_x(75.0), *np.zeros((2, 3))))
+        self.spin(topic.get_subscription_count)
+        topic.publish(target)
+        self.spin(lambda: any("rejected" in d.message for d in self.diagnostics))
+        # neither has changed anything: the first slew goes on
+        seen = len(self.feedback["first"])
+        self.spin(lambda: len(self.feedback["first"]) > seen + 1)
+        second = self.send("second", about_x(-20.0))
+        self.first = self.result(first)
+        self.second = self.result(second)
+        self.action.destroy()
+
+    def on_status(self, message: GovernorStatus) -> None:
+        self.admissible.append(message.admissible)
+
+    def on_diagnostics(self, message: Any) -> None:
+        self.diagnostics += message.status
+
+    def spin(self, done: Callable[[], Any]) -> None:
+        patience = time.monotonic() + PATIENCE
+        while not done():
+            assert time.monotonic() < patience, "never came true"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def send(self, name: str, target: np.ndarray) -> Any:
+        x, y, z, w = lie.to_quaternion_xyzw(target).tolist()
+        feedback = self.feedback.setdefault(name, [])
+        goal = SlewTo.Goal(target=Quaternion(x=x, y=y, z=z, w=w), tolerance=math.radians(0.5))
+        sending = self.action.send_goal_async(goal, lambda m: feedback.append(m.feedback))
+        self.spin(sending.done)
+        assert sending.result().accepted
+        return sending.result().get_result_async()
+
+    def result(self, future: Any) -> Any:
+        self.spin(future.done)
+        return future.result().result
+
+
+def test_two_launches_under_a_governor_are_identical(graph: Any) -> None:
+    first = graph.fly(SHORT, COMPOSED, scenario=KALABIC)
+    second = graph.fly(SHORT, COMPOSED, scenario=KALABIC)
+    third = graph.fly(SHORT, scenario=KALABIC)
+    assert graph.exit_codes == dict.fromkeys(graph.exit_codes, 0)
+    expected = payloads(first / "bag")
+    assert len(expected["/governor_status"]) == 121
+    assert payloads(second / "bag") == expected
+    assert payloads(third / "bag") == expected
+    assert_equals_simulation(first / "bag", SHORT, scenario=KALABIC)
+    assert 0.0 < read_flight(first / "bag").trajectory.alpha.max() < 1.0
+
+
+def test_targets_in_flight(graph: Any, at: Any) -> None:
+    operator = Operator()
+    out: Path = graph.folder / "slews"
+    with pytest.raises(Interrupted):
+        graph.fly(LONG, scenario=KALABIC, display=at(1, operator), out=out)
+    assert not operator.refused.reached
+    assert operator.refused.message.startswith("refused: target: received an attitude with")
+    assert "zone 'earth'; required at least 0.1 deg at rest" in operator.refused.message
+    assert not operator.first.reached
+    assert "preempted by a newer target" in operator.first.message
+    assert operator.second.reached
+    assert operator.second.final_error < math.radians(0.5)
+    assert operator.second.step > operator.first.step
+    alphas = [f.alpha for f in operator.feedback["second"]]
+    assert all(0.0 <= alpha <= 1.0 for alpha in alphas)
+    assert operator.feedback["second"][-1].error_angle < operator.feedback["second"][0].error_angle
+    rejections = [d.message for d in operator.diagnostics if "rejected" in d.message]
+    assert "zone 'earth'" in rejections[0]
+    assert all(operator.admissible)
+    flown = read_flight(out / "bag").trajectory
+    assert np.nanmax(np.linalg.norm(flown.torque, axis=1)) <= LIMIT * (1.0 + 1e-9)
+    assert lie.angle_between(flown.reference[-1], about_x(-20.0)) < 1e-9
