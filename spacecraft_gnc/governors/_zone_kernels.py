@@ -17,7 +17,11 @@ ZONE_SIZE = 8
 def zone_margin(zones, i, R):
     """Angle from attitude R to the border of zone i; negative where violated."""
     cosine = dot(load3(zones, i, 3), mat_vec(R, load3(zones, i)))
-    return zones[i, 7] * (math.acos(min(1.0, max(-1.0, cosine))) - zones[i, 6])
+    if cosine > 1.0:  # by rounding; min and max would turn NaN into a number
+        cosine = 1.0
+    elif cosine < -1.0:
+        cosine = -1.0
+    return zones[i, 7] * (math.acos(cosine) - zones[i, 6])
 
 
 @kernel

@@ -16,7 +16,7 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.governors.prediction import Planner, Prediction, Predictor
+from spacecraft_gnc.governors.prediction import UNITS, Planner, Prediction, Predictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.search import GeodesicSearch, Step
 from spacecraft_gnc.types import (
@@ -155,12 +155,13 @@ class AttitudeGovernor:
         self.reference_set.require("initial reference", reference)
         found = self.predictor.predict(state, reference)
         if not found.admissible:
+            unit = UNITS.get(found.constraint, "rad")
             raise ParameterError(
                 f"start: received a state from which holding the initial reference violates "
                 f"{found.constraint!r} at predicted step {found.violation_step}, with margin "
-                f"{found.margin:.6g}; required a start from which every constraint is kept; start "
-                "slower or nearer to the reference (initial_reference_rotation_vector), or widen "
-                "the limit"
+                f"{found.margin:.6g} {unit}; required a start from which every constraint is kept; "
+                "start slower or nearer to the reference (initial_reference_rotation_vector), or "
+                "widen the limit"
             )
 
     def warm_up(self) -> None:

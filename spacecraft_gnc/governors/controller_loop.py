@@ -222,8 +222,10 @@ class ControllerLoopPredictor:
     def _shortfall(self, found: int) -> float:
         """Margin of the constraint violated, in its own unit."""
         kind = found - len(self._set.names)
-        if kind == CONDITION:  # [s]
-            return self._body.largest_time_step(self._rows[3]) - self._body.time_step
+        if kind == CONDITION:  # at its bound, where the state passes it within a control period
+            momentum, h = self._rows[3], self._body.time_step
+            share = self._body.largest_time_step(momentum) / h  # of this momentum that (4) allows
+            return min(0.0, (share - 1.0) * float(np.linalg.norm(momentum)))
         if kind in (CONVERGENCE, SOLVER):  # [rad] still to go
             return -lie.angle_between(self._rows[:3], self._rows[4:])
         return float(self._worst[1])

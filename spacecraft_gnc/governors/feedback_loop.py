@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 # Default level of the invariant set, as a share of the lowest unstable equilibrium's.
 _LEVEL = 0.98
+# Share of the steady margin that a new reference leaves at least, after its reserve.
+_NEARLY = 0.999
 _NAMES = (
     "torque limit", "momentum limit", "momentum condition (4)", "invariant set", "convergence",
 )  # fmt: skip
@@ -93,7 +95,9 @@ class FeedbackPredictor:
         self.horizon = horizon
         if horizon == 0:
             self.tail = tail_of(self.loop, self.limits)
-            self.horizon = horizon_of(self.loop, self.limits, self.tail, self._least_level())
+            room = _NEARLY * reference_set.steady_margin if reference_set.zones else math.inf
+            least = self.tail.level_within(room)
+            self.horizon = horizon_of(self.loop, self.limits, self.tail, least)
         tail = np.zeros((7, 6)) if self.tail is None else self.tail.packed()
         if self.tail is None:
             tail[6, 1] = 1.0
@@ -156,17 +160,6 @@ class FeedbackPredictor:
 
     def _zone(self, which: int) -> str:
         return self.reference_set.names[which - kernels.FIRST_ZONE]
-
-    def _least_level(self) -> float:
-        """Level of the tail set at a reference that just keeps the steady margin."""
-        assert self.tail is not None  # noqa: S101 - for the type checker
-        if not self.reference_set.zones:
-            return self.tail.level
-        room = _NEARLY * self.reference_set.steady_margin / self.tail.widest
-        return min(self.tail.level, room**2)
-
-
-_NEARLY = 0.999  # the reserve of a new reference leaves a little less room than its margin
 
 
 def _limit(name: str, value: float) -> float:

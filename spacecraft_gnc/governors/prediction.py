@@ -5,9 +5,17 @@ Attitudes map body to inertial components; all units are SI.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Final, NamedTuple, Protocol
 
 from spacecraft_gnc.types import Matrix3, State
+
+UNITS: Final = {
+    "torque limit": "N m",
+    "momentum limit": "N m s",
+    "momentum condition (4)": "N m s",
+    "invariant set": "J",
+}
+"""Unit of a constraint's margin; [rad] for the others."""
 
 
 class Prediction(NamedTuple):

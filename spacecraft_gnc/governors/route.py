@@ -58,7 +58,8 @@ class RoutePlanner:
         if not reference_set.steady_margin <= clearance < math.pi:
             raise ParameterError(
                 f"clearance: received {clearance:.6g} rad; required at least the steady margin "
-                f"{reference_set.steady_margin:.6g} rad, and less than half a turn; raise it"
+                f"{reference_set.steady_margin:.6g} rad, and less than half a turn; raise it "
+                "(route_clearance_deg), or lower steady_margin_deg"
             )
         self._set = reference_set
         self._clearance = clearance

@@ -109,6 +109,10 @@ class Tail:
     radius: float
     growth: float
 
+    def level_within(self, angle: float) -> float:
+        """Level of the largest subset in which the angle of E is at most ``angle`` [rad]."""
+        return min(self.level, (angle / self.widest) ** 2)
+
     def packed(self) -> Array:
         """Return the array (7, 6) of the kernels."""
         rows = np.zeros((7, 6))

@@ -259,7 +259,10 @@ def test_targets_outside_the_set_are_refused_and_change_nothing():
 @pytest.mark.parametrize(
     ("override", "said"),
     [
-        ("plant.initial_momentum=[0.2, 0.0, 0.0]", "'torque limit' at predicted step 0, with mar"),
+        (
+            "plant.initial_momentum=[0.2, 0.0, 0.0]",
+            "'torque limit' at predicted step 0, with margin -0.02 N m;",
+        ),
         ("reference_governor.max_momentum=1.0e-3", None),
         ("reference_governor.lyapunov_level=0.7", "required less than 0.6 J"),
         ("reference_governor.initial_reference_rotation_vector=[0.0, 0.0, 0.0]", "'torque limit'"),

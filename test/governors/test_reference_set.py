@@ -46,7 +46,8 @@ def test_an_attitude_outside_is_refused_with_zone_and_margin():
 
 
 def test_what_is_no_attitude_is_outside():
-    assert not REFERENCES.contains(np.full((3, 3), math.nan))
+    for references in (REFERENCES, BOTH, ReferenceSet((SUN,), 0.1)):
+        assert not references.contains(np.full((3, 3), math.nan))
 
 
 def test_bad_arguments_are_refused():
