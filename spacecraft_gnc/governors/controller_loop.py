@@ -35,7 +35,7 @@ from spacecraft_gnc.governors.prediction import Prediction
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
 from spacecraft_gnc.ocp import ShootingSolver
-from spacecraft_gnc.types import Array, Matrix3, Reference, State
+from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.protocols import Controller
@@ -171,7 +171,8 @@ class ControllerLoopPredictor:
     def _measured_horizon(self, target: Matrix3) -> int:
         """Return the steps in which the slowest of the turns `AXES` settles, with some to spare.
 
-        At least what the decay of the loop says; only that where flights would take long.
+        Of half or a quarter of these turns where none of them settles. At least what the decay of
+        the loop says; only that where flights would take long.
         """
         least = self.settled.horizon
         if self._controller.slow:
@@ -180,13 +181,18 @@ class ControllerLoopPredictor:
         self._zones, self._limits = zones[:0], np.array([0.0, 0.0, limits[2]])
         self.horizon = LONGEST * least
         longest = 0
-        for axis in AXES:
-            self._rows[:3], self._rows[3], self._rows[4:] = target @ lie.exp(axis), 0.0, target
-            found, steps = self._fly(0, 0.0)
-            if found == SETTLED:
-                longest = max(longest, steps)
+        for share in (1.0, 0.5, 0.25):
+            longest = max(self._slew(target, share * axis) for axis in AXES)
+            if longest > 0:
+                break
         self._zones, self._limits = zones, limits
         return max(least, math.ceil(SPARE * longest))
+
+    def _slew(self, target: Matrix3, turn: Vector3) -> int:
+        """Return the steps that a turn (3,) [rad] from rest takes to settle; 0: it does not."""
+        self._rows[:3], self._rows[3], self._rows[4:] = target @ lie.exp(turn), 0.0, target
+        found, steps = self._fly(0, 0.0)
+        return steps if found == SETTLED else 0
 
     def _fly(self, first: int, reserve: float) -> tuple[int, int]:
         """Fly from ``rows``; return what `examine` says at the end, and the step."""

@@ -296,6 +296,22 @@ def test_the_horizon_suffices_from_rest_anywhere(changes):
         assert found.admissible, axis
 
 
+def test_where_no_half_turn_settles_smaller_turns_make_the_horizon():
+    class Timid(Torque):
+        slow = False
+
+        def command(self, state, reference):
+            far = lie.angle_between(state.attitude, reference.attitude) > 2.0
+            source = Source.ZERO if far else Source.OPTIMAL
+            return Command(np.clip(damped(state, reference), -0.01, 0.01), source, None)
+
+    predictor = ControllerLoopPredictor(Timid(coasting), BODY, 1, ReferenceSet(), EYE)
+    assert predictor.horizon > 1.2 * predictor.settled.horizon  # the torque limit decides here
+    for axis in np.vstack([EYE, -EYE]):
+        assert predictor.predict(at(1.5 * axis), EYE).admissible
+        assert predictor.predict(at(2.5 * axis), EYE).constraint == "solver"
+
+
 def test_the_horizon_of_the_scenario_is_taken_and_substeps_are_flown():
     words = {
         "reference_governor.governor": "attitude",
