@@ -21,12 +21,12 @@ from spacecraft_gnc.governors.controller_loop import ShootingLoopPredictor
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
+from spacecraft_gnc.loop import State
 from spacecraft_gnc.loop.controllers import ShootingController
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
     ShootingSolver, Weights, linearize,
 )
-from spacecraft_gnc.types import State
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
 Q = np.array([[1.0, 0.2, 0.1], [0.2, 0.9, 0.0], [0.1, 0.0, 1.1]])
@@ -61,13 +61,6 @@ flat = AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 30)  # a saddle, and the way o
 o = ShootingSolver(flat).solve(lie.exp(np.array([math.pi, 0.0, 0.0])), np.zeros(3))
 assert o.converged and o.cost < 0.4
 found |= {"off_saddle": o.cost, "off_saddle_torques": np.abs(o.torques)}
-loop = ShootingController(ShootingSolver(AttitudeOcp(J, 0.4, 4, max_torque=0.05)))
-predictor = ShootingLoopPredictor(
-    loop, RigidBody(J, 0.2), 2, ReferenceSet((zone,)), np.eye(3), max_momentum=0.5, horizon=8
-)
-o = predictor.predict(State(0, R.T, Pi), np.eye(3))
-assert o.constraint == "convergence" and o.violation_step == 8
-found |= {"loop_margin": o.margin, "loop_radius": predictor.settled.radius}
 tail.SAMPLES, tail.FLIGHTS = 64, 3  # interpreted, thousands would take minutes
 law = AttitudeFeedback(0.2 * J, 0.4, J)
 ahead = FeedbackPredictor(law, 0.2, 2, ReferenceSet((zone,), 0.01), max_torque=0.02)
@@ -80,6 +73,13 @@ found |= {
     "tail": [ahead.tail.level, ahead.tail.growth, ahead.horizon, decision.violation_step],
     "feedback": law.torque(state, R), "lyapunov": law.lyapunov(state, R),
 }
+loop = ShootingController(ShootingSolver(AttitudeOcp(J, 0.4, 4, max_torque=0.05)))
+predictor = ShootingLoopPredictor(
+    loop, RigidBody(J, 0.2), 2, ReferenceSet((zone,)), np.eye(3), max_momentum=0.5, horizon=8
+)
+o = predictor.predict(State(0, R.T, Pi), np.eye(3))
+assert o.constraint == "convergence" and o.violation_step == 8
+found |= {"loop_margin": o.margin, "loop_radius": predictor.settled.radius}
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),
