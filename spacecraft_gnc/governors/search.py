@@ -79,8 +79,8 @@ class GeodesicSearch:
 
     def warm_up(self) -> None:
         """Load the kernels."""
-        self.at(0.0, np.eye(3), np.zeros(3))
-        self._set.contains(np.eye(3))
+        held = read_only(np.eye(3))  # as in flight: to a kernel this is a type of its own
+        self._set.contains(self.at(0.0, held, np.zeros(3)))
 
     def step(self, state: State, held: Matrix3, aim: Matrix3) -> Step:
         """Move the reference from ``held`` towards ``aim`` (3, 3) as far as is admissible.

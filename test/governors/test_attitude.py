@@ -259,24 +259,21 @@ def test_targets_outside_the_set_are_refused_and_change_nothing():
 @pytest.mark.parametrize(
     ("override", "said"),
     [
-        (
-            "plant.initial_momentum=[0.2, 0.0, 0.0]",
-            "'torque limit' at predicted step 0, with margin -0.02 N m;",
-        ),
+        ("plant.initial_momentum=[0.2, 0.0, 0.0]", "the feedback law commands 0.04 N m"),
+        ("plant.initial_momentum=[0.0999, 0.0, 0.0]", "violates 'torque limit' at predicted step"),
         ("reference_governor.max_momentum=1.0e-3", None),
         ("reference_governor.lyapunov_level=0.7", "required less than 0.6 J"),
-        ("reference_governor.initial_reference_rotation_vector=[0.0, 0.0, 0.0]", "'torque limit'"),
-        ("reference_governor.target_rotation_vector=[1.0471, 0.0, 0.0]", "target: .*'earth'"),
-        ("plant.initial_rotation_vector=[1.0471, 0.0, 0.0]", "initial reference: .*'earth'"),
+        ("reference_governor.initial_reference_rotation_vector=[0.0, 0.0, 0.0]", "at the start"),
+        ("reference_governor.target_rotation_vector=[1.0471, 0.0, 0.0]", "choose another target"),
+        ("plant.initial_rotation_vector=[1.0471, 0.0, 0.0]", "choose another start"),
     ],
 )
 def test_what_cannot_be_flown_is_refused_before_the_flight(override, said):
-    scenario = load(shipped("kalabic2014_governor"), [override])
     if said is None:
-        scenario.build()
+        load(shipped("kalabic2014_governor"), [override]).build()
         return
     with pytest.raises(GncError, match=said):
-        scenario.build()
+        load(shipped("kalabic2014_governor"), [override]).build()
 
 
 def test_numbers_outside_their_range_are_refused():

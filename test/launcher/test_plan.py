@@ -43,9 +43,7 @@ def test_a_flight_cut_short_can_be_launched_again_from_its_file() -> None:
     assert not whole.launcher.cut_short
     text = saved.read_text().replace("cut_short: true", "cut_short: false")
     saved.write_text(text)
-    with pytest.raises(
-        InvalidScenario, match=r"plant\.duration: received 2\.0 s; required at least"
-    ):
+    with pytest.raises(InvalidScenario, match=r"plant\.duration: received 2\.0 s"):
         make_plan(saved)
 
 
