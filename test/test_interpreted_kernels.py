@@ -17,7 +17,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
-    ShootingSolver, Weights, linearize,
+    ShootingSolver, TerminalSetOcp, TerminalSetSolver, Weights, linearize,
 )
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
@@ -53,6 +53,11 @@ flat = AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 30)  # a saddle, and the way o
 o = ShootingSolver(flat).solve(lie.exp(np.array([math.pi, 0.0, 0.0])), np.zeros(3))
 assert o.converged and o.cost < 0.4
 found |= {"off_saddle": o.cost, "off_saddle_torques": np.abs(o.torques)}
+kalabic = TerminalSetOcp(J, 0.2, 5, Q, 0.5 * Q, 2.0 * Q, 0.1, 0.05, "true")
+o = TerminalSetSolver(kalabic).solve(R, Pi, lie.exp(np.array([0.1, 0.0, 0.2])))
+print(o.status)
+found |= {"terminal_torques": o.torques, "terminal_cost": o.cost, "terminal_nu": o.terminal_level}
+found["terminal_level"] = kalabic.level.value
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),

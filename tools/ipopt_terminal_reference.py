@@ -19,8 +19,13 @@ N_PROBLEMS, LARGEST_HORIZON, SEED = 18, 20, 2014
 KINDS = ("free", "border", "kappa")
 TIGHT = OPTIONS | {
     "ipopt": OPTIONS["ipopt"]
-    | {"bound_relax_factor": 0.0, "tol": 1e-10, "dual_inf_tol": 1e-9, "compl_inf_tol": 1e-11,
-       "constr_viol_tol": 1e-11}
+    | {
+        "bound_relax_factor": 0.0,
+        "tol": 1e-10,
+        "dual_inf_tol": 1e-9,
+        "compl_inf_tol": 1e-11,
+        "constr_viol_tol": 1e-11,
+    }
 }
 PAPER = {
     "inertia": np.diag([10.0, 8.0, 8.0]), "time_step": 0.1, "horizon": 251,
@@ -76,6 +81,12 @@ def quaternion(R):
     return w, np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / (4.0 * w)
 
 
+def rotation_vector(w, v):
+    """Return the rotation vector of a unit quaternion, of an angle up to two half turns."""
+    sine = ca.sqrt(ca.dot(v, v))
+    return 2.0 * ca.atan2(sine, w) / sine * v
+
+
 def solve(p, P, c):
     """Return IPOPT's torques (N, 3), cost, terminal level, and whether it converged."""
     h, n, scale = float(p["time_step"]), int(p["horizon"]), p["stage_cost_scale"]
@@ -109,8 +120,7 @@ def solve(p, P, c):
         norm = ca.sqrt(1.0 + ca.dot(f, f))
         w, v = (w - ca.dot(v, f)) / norm, (w * f + v + ca.cross(v, f)) / norm
         torques.append(u)
-    sine = ca.sqrt(ca.dot(v, v))
-    x = ca.vertcat(2.0 * ca.atan2(sine, w) / sine * v, Pi)
+    x = ca.vertcat(rotation_vector(w, v), Pi)
     level = x.T @ P @ x
     cost += 0.5 * level
     if np.isfinite(c):

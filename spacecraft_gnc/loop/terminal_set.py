@@ -18,7 +18,7 @@ class TerminalSetController(SolverController):
     """One solve a step, and the failure ladder behind it.
 
     No standstill is looked for: half a turn away, the logarithm takes a side, and the solve
-    with it. Where the terminal set is out of reach, the status is INFEASIBLE and the ladder answers.
+    with it. Where the terminal set is out of reach, the status is INFEASIBLE, and the ladder flies.
     """
 
     name = "terminal_set"

@@ -23,6 +23,15 @@ CHANGED: dict[str, Any] = {
     "exact_every": 10,
     "ne_tolerance": 0.1,
     "ne_max_age": 3,
+    "terminal_set": "false",
+    "stage_cost_scale": 0.2,
+    "weights.stage_rate": 1.0,
+    "weights.stage_momentum": 0.5,
+    "weights.terminal_attitude": 0.5,
+    "weights.terminal_momentum": 0.5,
+    "torque_penalty": 1.0,
+    "actuators": [0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+    "standstill_error_deg": 0.2,
 }
 
 
@@ -34,6 +43,7 @@ def _methods(monkeypatch: pytest.MonkeyPatch) -> None:
         "shooting": BuiltIn("nowhere:Nothing", ("exact", "estimated_u")),
         "neighboring_extremal": target,
         "slsqp": target,
+        "terminal_set": target,
     }
     monkeypatch.setitem(registry.BUILT_IN, "controllers", methods)
     monkeypatch.setattr(registry, "names", lambda group: (*registry.BUILT_IN[group], "foreign"))
@@ -53,7 +63,9 @@ def test_every_parameter_of_the_table_exists() -> None:
 
 
 @pytest.mark.parametrize("name", CHANGED)
-@pytest.mark.parametrize("method", ["shooting", "neighboring_extremal", "slsqp", "foreign"])
+@pytest.mark.parametrize(
+    "method", ["shooting", "neighboring_extremal", "slsqp", "terminal_set", "foreign"]
+)
 def test_who_reads_what(method: str, name: str) -> None:
     given = {name: CHANGED[name]}
     if method == "neighboring_extremal":
