@@ -15,6 +15,7 @@ import math, sys
 import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.ocp import terminal_level
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
     ShootingSolver, TerminalSetOcp, TerminalSetSolver, Weights, linearize,
@@ -53,10 +54,12 @@ flat = AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 30)  # a saddle, and the way o
 o = ShootingSolver(flat).solve(lie.exp(np.array([math.pi, 0.0, 0.0])), np.zeros(3))
 assert o.converged and o.cost < 0.4
 found |= {"off_saddle": o.cost, "off_saddle_torques": np.abs(o.torques)}
-kalabic = TerminalSetOcp(J, 0.2, 5, Q, 0.5 * Q, 2.0 * Q, 0.1, 0.05, "true")
-o = TerminalSetSolver(kalabic).solve(R, Pi, lie.exp(np.array([0.1, 0.0, 0.2])))
-print(o.status)
-found |= {"terminal_torques": o.torques, "terminal_cost": o.cost, "terminal_nu": o.terminal_level}
+terminal_level.RAYS, terminal_level.SAMPLES = 64, 256  # interpreted, they take their time
+kalabic = TerminalSetOcp(J, 0.2, 8, Q, 0.5 * Q, 2.0 * Q, 0.1, 0.5, "true")
+tight = kalabic._with(level=kalabic.level._replace(value=0.03))
+o = TerminalSetSolver(tight).solve(R, Pi, lie.exp(np.array([0.1, 0.0, 0.2])))
+assert o.converged and o.terminal_multiplier > 0.0
+found |= {"terminal_torques": o.torques, "terminal_cost": o.cost, "terminal_reached": o.terminal_level}
 found["terminal_level"] = kalabic.level.value
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,

@@ -26,7 +26,7 @@ from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.types import Array, ArrayLike
 
 LARGEST = math.log(1e8)  # of log(1 + nu)
-PENALTIES = 10.0 ** np.arange(-1.0, 10.0, 2.0)  # of the torque limit, as it is hardened
+PENALTIES = 10.0 ** np.arange(-2.0, 9.0)  # of the torque limit, as it is hardened
 ON_BORDER = 1e-9  # the level found lies between (1 - this) c and c
 SEARCHES = 60
 LARGEST_HORIZON = 4096
