@@ -59,8 +59,8 @@ kalabic = TerminalSetOcp(J, 0.2, 8, Q, 0.5 * Q, 2.0 * Q, 0.1, 0.5, "true")
 tight = kalabic._with(level=kalabic.level._replace(value=0.03))
 o = TerminalSetSolver(tight).solve(R, Pi, lie.exp(np.array([0.1, 0.0, 0.2])))
 assert o.converged and o.terminal_multiplier > 0.0
-found |= {"terminal_torques": o.torques, "terminal_cost": o.cost, "terminal_reached": o.terminal_level}
-found["terminal_level"] = kalabic.level.value
+found |= {"terminal_torques": o.torques, "terminal_cost": o.cost}
+found |= {"terminal_reached": o.terminal_level, "terminal_level": kalabic.level.value}
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),

@@ -120,6 +120,9 @@ def solve(p, P, c):
         norm = ca.sqrt(1.0 + ca.dot(f, f))
         w, v = (w - ca.dot(v, f)) / norm, (w * f + v + ca.cross(v, f)) / norm
         torques.append(u)
+    if n > LARGEST_HORIZON:  # too long a product; the paper's flight stays short of half a turn
+        w = 0.5 * ca.sqrt(1.0 + ca.trace(C))
+        v = ca.inv_skew(C - C.T) / (4.0 * w)
     x = ca.vertcat(rotation_vector(w, v), Pi)
     level = x.T @ P @ x
     cost += 0.5 * level

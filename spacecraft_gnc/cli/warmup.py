@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -42,7 +42,8 @@ def warmup(
     loaded.append(from_sections({"plant": body, "nmpc_controller": along_a_run}, "warmup"))
     for method, built_in in registry.BUILT_IN["controllers"].items():
         for variant in built_in.variants or ("",):
-            controller = {"method": method, "zone_names": ["zone"], "zones": {"zone": _ZONE}}
+            controller: dict[str, Any] = {"method": method, "zone_names": ["zone"]}
+            controller["zones"] = {"zone": _ZONE}
             if method == "terminal_set":
                 controller["max_torque"] = 0.0  # the set is within reach
             if variant:

@@ -132,8 +132,11 @@ class TerminalSetOcp(AttitudeOcp):
     def largest_stage_cost(self, momentum: Array) -> float:
         """Return a bound on the sum of lambda L over the horizon from a momentum (3,).
 
-        By |Pi_k| <= |Pi_0| + N h max_torque, and sin(angle of F) <= h |Pi| / (least moment).
+        By |Pi_k| <= |Pi_0| + N h max_torque, and sin(angle of F) <= h |Pi| / (least moment);
+        infinite without a torque limit.
         """
+        if self.max_torque == 0.0:
+            return math.inf
         h, n = self.time_step, self.horizon
         rate, scale = np.asarray(self.stage_rate), self.stage_cost_scale
         turn, push = _largest_pair(np.asarray(self.weights.stage_attitude)), _largest_pair(rate)
