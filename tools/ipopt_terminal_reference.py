@@ -81,10 +81,14 @@ def quaternion(R):
     return w, np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]) / (4.0 * w)
 
 
-def rotation_vector(w, v):
-    """Return the rotation vector of a unit quaternion, of an angle up to two half turns."""
+def terminal_level(P, n, C, Pi, w, v):
+    """Return |(Z, Pi)|_P^2, with Z of the quaternion (w, v), of an angle up to two half turns."""
+    if n > LARGEST_HORIZON:  # too long a product; the paper's flight stays short of half a turn
+        w = 0.5 * ca.sqrt(1.0 + ca.trace(C))
+        v = ca.inv_skew(C - C.T) / (4.0 * w)
     sine = ca.sqrt(ca.dot(v, v))
-    return 2.0 * ca.atan2(sine, w) / sine * v
+    x = ca.vertcat(2.0 * ca.atan2(sine, w) / sine * v, Pi)
+    return x.T @ P @ x
 
 
 def solve(p, P, c):
@@ -120,11 +124,7 @@ def solve(p, P, c):
         norm = ca.sqrt(1.0 + ca.dot(f, f))
         w, v = (w - ca.dot(v, f)) / norm, (w * f + v + ca.cross(v, f)) / norm
         torques.append(u)
-    if n > LARGEST_HORIZON:  # too long a product; the paper's flight stays short of half a turn
-        w = 0.5 * ca.sqrt(1.0 + ca.trace(C))
-        v = ca.inv_skew(C - C.T) / (4.0 * w)
-    x = ca.vertcat(rotation_vector(w, v), Pi)
-    level = x.T @ P @ x
+    level = terminal_level(P, n, C, Pi, w, v)
     cost += 0.5 * level
     if np.isfinite(c):
         bounded.append(level / c - 1.0)

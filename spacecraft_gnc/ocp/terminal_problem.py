@@ -152,9 +152,15 @@ class TerminalSetOcp(AttitudeOcp):
 
     def _with(self, **values: object) -> TerminalSetOcp:
         other = object.__new__(TerminalSetOcp)
-        inherited = {name: getattr(self, name) for name in AttitudeOcp.__slots__}
-        other._set(**(inherited | vars(self) | values))
+        other.__setstate__(self.__getstate__() | values)
         return other
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return everything; that of the base class, for a copy, knows its own fields only."""
+        return {name: getattr(self, name) for name in AttitudeOcp.__slots__} | vars(self)
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self._set(**state)
 
     def _set(self, **values: object) -> None:
         for name, value in values.items():

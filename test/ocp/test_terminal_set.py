@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -254,6 +256,16 @@ def test_the_cost_falls_by_the_stage_cost_and_feasibility_is_kept():
         last = found.cost - stage_cost(ocp, *state, found.torques[0], np.eye(3))
         state, guess = ocp.body.step(*state, found.torques[0]), found.warm_start
     assert active >= 1
+
+
+def test_a_copy_is_the_same_problem():
+    ocp = paper()
+    for other in (copy.deepcopy(ocp), pickle.loads(pickle.dumps(ocp))):
+        assert np.array_equal(other.data, ocp.data)
+        assert other.level == ocp.level
+    longer = ocp.with_horizon(7)
+    assert (longer.horizon, ocp.horizon) == (7, 5)
+    assert len(TerminalSetSolver(longer).solve(START, REST).torques) == 7
 
 
 def test_a_momentum_that_no_step_exists_for_is_said():
