@@ -22,9 +22,10 @@ from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.loop.controllers import ShootingController
+from spacecraft_gnc.ocp import terminal_level
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
-    ShootingSolver, Weights, linearize,
+    ShootingSolver, TerminalSetOcp, TerminalSetSolver, Weights, linearize,
 )
 from spacecraft_gnc.types import State
 
@@ -80,6 +81,13 @@ found |= {
     "tail": [ahead.tail.level, ahead.tail.growth, ahead.horizon, decision.violation_step],
     "feedback": law.torque(state, R), "lyapunov": law.lyapunov(state, R),
 }
+terminal_level.RAYS, terminal_level.SAMPLES = 64, 256  # interpreted, they take their time
+kalabic = TerminalSetOcp(J, 0.2, 8, Q, 0.5 * Q, 2.0 * Q, 0.1, 0.5, "true")
+tight = kalabic._with(level=kalabic.level._replace(value=0.03))
+o = TerminalSetSolver(tight).solve(R, Pi, lie.exp(np.array([0.1, 0.0, 0.2])))
+assert o.converged and o.terminal_multiplier > 0.0
+found |= {"terminal_torques": o.torques, "terminal_cost": o.cost}
+found |= {"terminal_reached": o.terminal_level, "terminal_level": kalabic.level.value}
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),

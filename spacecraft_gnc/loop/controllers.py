@@ -39,7 +39,9 @@ if TYPE_CHECKING:
 class Solver(Protocol):
     """What `SolverController` flies: any solver of `ocp`."""
 
-    ocp: AttitudeOcp
+    @property
+    def ocp(self) -> AttitudeOcp:
+        """Problem solved."""
 
     def solve(
         self,

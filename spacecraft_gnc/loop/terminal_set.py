@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.controllers import SolverController, zones_of
-from spacecraft_gnc.ocp import ShootingOptions
-from spacecraft_gnc.ocp.solution import Status
-from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
-from spacecraft_gnc.ocp.terminal_set import TerminalSetSolver
+from spacecraft_gnc.ocp import ShootingOptions, Status, TerminalSetOcp, TerminalSetSolver
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -20,8 +17,8 @@ if TYPE_CHECKING:
 class TerminalSetController(SolverController):
     """One solve a step, and the failure ladder behind it.
 
-    No standstill is looked for: half a turn away, the logarithm takes a side, and the solve with it.
-    Where the terminal set is out of reach, the status is INFEASIBLE and the ladder answers.
+    No standstill is looked for: half a turn away, the logarithm takes a side, and the solve
+    with it. Where the terminal set is out of reach, the status is INFEASIBLE, and the ladder flies.
     """
 
     name = "terminal_set"
@@ -69,9 +66,11 @@ def _require_feasible(scenario: Scenario, solver: TerminalSetSolver) -> None:
     remedies = [f"horizon: {enough}"] if enough else ["a larger max_torque"]
     if solver.ocp.terminal_set == "true":
         remedies.append("terminal_set: without_kappa")
+    remedies.append("terminal_set: false")
+    least = solver.least_level(*start, target).terminal_level
     raise ParameterError(
         f"nmpc_controller.terminal_set: received {solver.ocp.terminal_set} with horizon: {n}, "
         f"infeasible from the start, {angle:.5g} deg off the target: required |(Z_N, Pi_N)|_P^2 <= "
         f"{level.value:.4g} (by {level.bound_by}), of which {n} steps reach "
-        f"{found.terminal_level:.4g} at the least; use {', or '.join([*remedies, 'terminal_set: false'])}"
+        f"{least:.4g} at the least; use {', or '.join(remedies)}"
     )

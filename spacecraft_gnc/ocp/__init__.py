@@ -9,6 +9,8 @@ from spacecraft_gnc.ocp.nominal import NominalRun, fly_nominal
 from spacecraft_gnc.ocp.problem import AttitudeOcp, Weights
 from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
+from spacecraft_gnc.ocp.terminal_set import TerminalSetSolver
 from spacecraft_gnc.ocp.zones import PointingZone
 
 __all__ = [
@@ -27,6 +29,8 @@ __all__ = [
     "Solution",
     "StateContinuation",
     "Status",
+    "TerminalSetOcp",
+    "TerminalSetSolver",
     "Weights",
     "fly_nominal",
     "linearize",

@@ -73,19 +73,20 @@ def rollout(body, data, R, Pi, z, W):
 
 
 @kernel
-def _excess(data, W, k):
-    """max(0, H0) of stage k."""
-    return max(0.0, squared_control(W, k) - data[ALPHA]) if data[ALPHA] > 0.0 else 0.0
+def _sigma(data, W, k):
+    """2 mu0 max(0, H0) of stage k."""
+    excess = squared_control(W, k) - data[ALPHA]
+    return 2.0 * data[MU0] * excess if data[ALPHA] > 0.0 and excess > 0.0 else 0.0
 
 
 @kernel
 def adjoint_gradient(data, zones, track, R, Pi, lam, W, gradient):
     """Sweep (34)-(37) backward into lam (N,6); gradient (N,m) of the cost to z by (38)."""
     N = W.shape[0]
-    h, mu0 = data[H], data[MU0]
+    h = data[H]
     sweep_costates(data, zones, track, R, Pi, lam, W)
     for k in range(N):
-        sigma = 2.0 * mu0 * _excess(data, W, k)
+        sigma = _sigma(data, W, k)
         for i in range(gradient.shape[1]):
             pull = (data[D_U + i] + sigma) * W[k, Z_AT + i]
             gradient[k, i] = 2.0 * h * (pull - dot(_row(data, i), load3(lam, k, 3)))
@@ -134,7 +135,7 @@ def reduced_hessian(body, data, zones, track, R, Pi, lam, W, states, hessian):
                 turned = sub(d_l1, mat_vec(hat_mat(l1, M), d_Pi))
                 d_l2 = sub(swept, mat_vec(Z, d_Pi))
                 d_l1 = sub(mat_vec(F, turned), mat_vec(G, eta))
-        sigma = 2.0 * mu0 * _excess(data, W, k0)
+        sigma = _sigma(data, W, k0)
         hessian[column, column] += 2.0 * h * (data[D_U + i0] + sigma)
         if sigma > 0.0:
             for i in range(m):

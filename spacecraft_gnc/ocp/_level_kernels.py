@@ -79,9 +79,8 @@ def first_violation(body, data, gain, ray, shells, limit):
     Looked for on the shells first, by bisection then.
     """
     inside = 0.0
-    for radius in shells:
-        if radius > limit:
-            break
+    for shell in shells:
+        radius = min(shell, limit)
         if _excess_at(body, data, gain, ray, radius) > 0.0:
             outside = radius
             for _ in range(BISECTIONS):
@@ -91,6 +90,8 @@ def first_violation(body, data, gain, ray, shells, limit):
                 else:
                     inside = middle
             return outside
+        if shell >= limit:
+            break
         inside = radius
     return limit
 

@@ -23,9 +23,10 @@ from spacecraft_gnc.lie._mat3_kernels import (
     sub,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._data_kernels import ALPHA, H
 from spacecraft_gnc.ocp._newton_kernels import move
 from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, repeat_last, summarise
-from spacecraft_gnc.ocp._stage_kernels import ALPHA, H, horizon_cost, squared_control
+from spacecraft_gnc.ocp._stage_kernels import horizon_cost, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, substitute
 
 LAST = 7  # row of ``inputs`` where the last state stands

@@ -12,7 +12,7 @@ import math
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, dot, load3, scale, store3
-from spacecraft_gnc.ocp._data_kernels import ALPHA, P1, Q1, H
+from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, MU0, P1, Q1, H
 from spacecraft_gnc.ocp._stage_kernels import horizon_cost
 from spacecraft_gnc.ocp._sweep_kernels import (
     descent_at_saddle,
@@ -116,6 +116,16 @@ def _search(problem, horizon, work, rho, cost, norm, slope):
 
 
 @kernel
+def _flat(problem, norm):
+    """Largest slope that is zero but for rounding; negative without a hard limit.
+
+    On a hard limit the multipliers may change along the torques, which moves nothing.
+    """
+    data = problem[1]
+    return 2e-12 * data[H] * norm * norm / data[D_U] if math.isinf(data[MU0]) else -1.0
+
+
+@kernel
 def _searched_step(problem, horizon, work, rho, estimated, norm, local):
     """One step that makes progress, with ``rho`` raised until there is one.
 
@@ -127,7 +137,7 @@ def _searched_step(problem, horizon, work, rho, estimated, norm, local):
     while rho <= LARGEST_LEVENBERG:
         indefinite = _linearise(problem, horizon, fac, rho, estimated)
         slope = _newton_step(problem, work, rho)
-        descends = indefinite < 0 and slope < 0.0
+        descends = indefinite < 0 and (slope < 0.0 or slope <= _flat(problem, norm))
         good, gamma, new_norm, pattern = False, 1.0, norm, 0
         if descends:
             good, gamma, new_norm, pattern = _search(problem, horizon, work, rho, cost, norm, slope)

@@ -207,11 +207,10 @@ def stage_curvature(data, Jd, W, k, lam1, lam2):
     h, S2 = data[H], data9(data, S_Q2)
     F, M = load9_flat(W, k), load9_flat(W, k, M_AT)
     A, p = load9_flat(W, k, A_AT), load3(W, k, P_AT)
-    if data[LOG_FORM] == 0.0:
-        return costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p)
-    pushed = sub(lam1, rate_gradient(data, F))
-    Z = costate_curvature(h, S2, Jd, F, M, A, pushed, lam2, p)
-    return mat_add(Z, mat_t_mat(M, mat_mat(rate_hessian(data, F), M)))
+    rated = data[LOG_FORM] > 0.0
+    pushed = sub(lam1, rate_gradient(data, F)) if rated else lam1
+    Z = costate_curvature(h, S2, Jd, F, M, A, pushed, lam2, p)  # one call, so that it is inlined
+    return mat_add(Z, mat_t_mat(M, mat_mat(rate_hessian(data, F), M))) if rated else Z
 
 
 @kernel

@@ -3,7 +3,7 @@
 Source: Kalabic et al. 2014, (29)-(31): the largest c for which the terminal cost falls by the stage
 cost, F(X+) - F(X) <= -lambda L(X, kappa(X)), and both momenta are solvable (4), wherever
 |x|_P^2 <= c. The nearest violation is looked for along rays from the target: quasi-random ones
-first (Sobol), then descending from the worst of them. The level found is checked with as many fresh
+first, then descending from the worst of them. The level found is checked with as many fresh
 samples of the whole set.
 """
 
@@ -14,21 +14,20 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ndtri
-from scipy.stats import qmc
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp import _level_kernels
 from spacecraft_gnc.ocp.terminal_controller import TerminalController
 from spacecraft_gnc.types import Array
 
-RAYS = 4096  # a power of two, as Sobol's sequence wants it
+RAYS = 4096
 SAMPLES = 2**15
-SHELLS_PER_FACTOR = 24  # shells while the radius doubles
+SHELLS_PER_FACTOR = 8  # shells while the radius doubles
 SMALLEST = 2.0**-7  # first shell, as a share of the half-turn's radius; nearer, linear theory holds
 LARGEST = 2.0**7
-DESCENTS, ROUNDS = 16, 60
-SHRINK = 0.8
-MARGIN = 1e-9
+DESCENTS, ROUNDS, AROUND = 8, 50, 32
+SHRINK = 0.75
+MARGIN = 1e-6
 CONFIDENCE = 0.99
 
 
@@ -72,7 +71,7 @@ def decrease_level(
     level = limits[name]
     if found < level:
         name, level = "cost decrease (31)", found * (1.0 - MARGIN)
-    samples = ball(_sobol(SAMPLES, 7, seed=1)) @ (math.sqrt(level) * _root(design)).T
+    samples = ball(spread(SAMPLES, 7, first=0)) @ (math.sqrt(level) * _root(design)).T
     violations = _level_kernels.count_violations(body, data, design.gain, samples)
     if violations:
         raise ParameterError(
@@ -101,7 +100,7 @@ def nearest_violation(
     count = max(2, math.ceil(SHELLS_PER_FACTOR * math.log2(radius / (SMALLEST * unit))))
     shells = np.geomspace(min(SMALLEST * unit, 0.5 * radius), radius, count)
     root = _root(design)
-    directions = _sphere(_sobol(RAYS, 6, seed=0))
+    directions = _sphere(spread(RAYS, 6, first=0))
     problem = (body, data, design.gain)
 
     def radii(directions: Array, limit: float) -> Array:
@@ -115,7 +114,7 @@ def nearest_violation(
     best = float(found[order[0]])
     if best >= radius:
         return limit
-    noise = _sphere(_sobol(64, 6, seed=2))
+    noise = _sphere(spread(AROUND, 6, first=RAYS))
     for start, reached in zip(directions[order], found[order], strict=True):
         centre, value, width = start, float(reached), 0.3
         for _ in range(ROUNDS):
@@ -135,9 +134,17 @@ def _root(design: TerminalController) -> Array:
     return np.asarray(np.linalg.inv(np.linalg.cholesky(design.riccati)).T)
 
 
-def _sobol(count: int, dimension: int, seed: int) -> Array:
-    """Return (count, dimension) scrambled Sobol points, the same on every machine."""
-    return np.asarray(qmc.Sobol(dimension, rng=np.random.default_rng(seed)).random(count))
+def spread(count: int, dimension: int, first: int) -> Array:
+    """Return (count, dimension) points of the unit cube, those after the ``first`` ones.
+
+    Kronecker's sequence of the generalised golden ratio g, g^(d+1) = g + 1: quasi-random, without a
+    seed, the same on every machine.
+    """
+    ratio = 2.0
+    for _ in range(60):
+        ratio = (1.0 + ratio) ** (1.0 / (dimension + 1))
+    steps = ratio ** -np.arange(1.0, dimension + 1.0)
+    return np.asarray((0.5 + np.outer(np.arange(first + 1, first + count + 1), steps)) % 1.0)
 
 
 def _sphere(cube: Array) -> Array:

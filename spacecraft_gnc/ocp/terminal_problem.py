@@ -129,15 +129,38 @@ class TerminalSetOcp(AttitudeOcp):
         Z = _terminal_kernels.continuous_log(target, np.ascontiguousarray(attitudes))
         return np.concatenate([Z, momenta[-1]])
 
+    def largest_stage_cost(self, momentum: Array) -> float:
+        """Return a bound on the sum of lambda L over the horizon from a momentum (3,).
+
+        By |Pi_k| <= |Pi_0| + N h max_torque, and sin(angle of F) <= h |Pi| / (least moment);
+        infinite without a torque limit.
+        """
+        if self.max_torque == 0.0:
+            return math.inf
+        h, n = self.time_step, self.horizon
+        rate, scale = np.asarray(self.stage_rate), self.stage_cost_scale
+        turn, push = _largest_pair(np.asarray(self.weights.stage_attitude)), _largest_pair(rate)
+        fastest = float(np.linalg.norm(momentum)) + n * h * self.max_torque
+        spin = fastest / float(np.linalg.eigvalsh(np.asarray(self.inertia))[0])
+        spinning = push * (spin**2 if h * spin < 1.0 else 2.0 / h**2)
+        effort = 0.5 * self.max_torque**2 * np.linalg.norm(np.asarray(self.weights.stage_torque), 2)
+        return float(n * scale * (2.0 * turn + spinning + effort))
+
     def level_of(self, state: Array) -> float:
-        """Return |x|_P^2 of x (6,), or of each row of x (n, 6)."""
+        """Return |x|_P^2 of x (6,)."""
         return float(state @ self.terminal.riccati @ state)
 
     def _with(self, **values: object) -> TerminalSetOcp:
         other = object.__new__(TerminalSetOcp)
-        inherited = {name: getattr(self, name) for name in AttitudeOcp.__slots__}
-        other._set(**(inherited | vars(self) | values))
+        other.__setstate__(self.__getstate__() | values)
         return other
+
+    def __getstate__(self) -> dict[str, object]:
+        """Return everything; that of the base class, for a copy, knows its own fields only."""
+        return {name: getattr(self, name) for name in AttitudeOcp.__slots__} | vars(self)
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        self._set(**state)
 
     def _set(self, **values: object) -> None:
         for name, value in values.items():
@@ -175,3 +198,9 @@ class TerminalSetOcp(AttitudeOcp):
         design = self.terminal
         bound = design.torque_level(self.max_torque) if self.terminal_set == "true" else math.inf
         return decrease_level(self.body.packed, self.data, design, bound)
+
+
+def _largest_pair(weight: Matrix3) -> float:
+    """Return the sum of the two largest eigenvalues: tr(Q (I - C)) is at most twice that."""
+    values = np.linalg.eigvalsh(weight)
+    return float(values[1] + values[2])

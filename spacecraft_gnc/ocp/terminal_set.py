@@ -19,13 +19,14 @@ from typing import TypeAlias
 import numpy as np
 
 from spacecraft_gnc.dynamics._lgvi_kernels import BODY_SIZE
-from spacecraft_gnc.ocp._data_kernels import P_LOG
+from spacecraft_gnc.ocp._data_kernels import MU0, P_LOG
 from spacecraft_gnc.ocp.shooting import IDENTITY, ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.types import Array, ArrayLike
 
 LARGEST = math.log(1e8)  # of log(1 + nu)
+PENALTIES = 10.0 ** np.arange(-2.0, 9.0)  # of the torque limit, as it is hardened
 ON_BORDER = 1e-9  # the level found lies between (1 - this) c and c
 SEARCHES = 60
 LARGEST_HORIZON = 4096
@@ -143,9 +144,26 @@ class TerminalSetSolver:
         self.solve(IDENTITY, np.zeros(3))
 
     def newton(self, problem: Problem, guess: Array | None, s: float) -> Solution:
-        """Solve with the terminal cost exp(s) F."""
+        """Solve with the terminal cost exp(s) F.
+
+        Where Newton's method fails cold, the torque limit is softened and hardened again.
+        """
         self._weight[:] = math.exp(s) * self._riccati
-        return self._newton.solve(*problem, guess)
+        found = self._newton.solve(*problem, guess)
+        steps = found.iterations
+        if not found.converged and guess is not None:
+            found = self._newton.solve(*problem)
+            steps += found.iterations
+        if not found.converged and self.ocp.max_torque > 0.0:
+            limit, guess = self._newton.work[0], None
+            hardest = float(self.ocp.control_weights[0]) / self.ocp.max_torque**2
+            for penalty in (*(hardest * PENALTIES), math.inf):
+                limit[BODY_SIZE + MU0] = penalty
+                found = self._newton.solve(*problem, guess)
+                steps += found.iterations
+                guess = found.costates if found.converged else guess
+            limit[BODY_SIZE + MU0] = math.inf
+        return found._replace(iterations=steps)
 
 
 class _Search:
@@ -169,8 +187,6 @@ class _Search:
         if guess is not None and self._guess_at is not None:
             guess = guess * math.exp(s - self._guess_at)
         found = self._solver.newton(self._problem, guess, s)
-        if guess is not None and not found.converged:
-            found = self._solver.newton(self._problem, None, s)
         self._steps += found.iterations
         if found.converged:
             self._guess, self._guess_at = found.costates, s
@@ -188,6 +204,12 @@ class _Search:
             cost=found.cost - 0.5 * nu * level if nu > 0.0 else found.cost,
         )
 
+    def _is_out_of_reach(self, found: Solution, level: float) -> bool:
+        """Tell whether no trajectory could do with so little F, however much its stages cost."""
+        F = 0.5 * found.terminal_level
+        dearer = self._solver.ocp.largest_stage_cost(found.momenta[0]) - (found.cost - F)
+        return F - 0.5 * level > dearer / (1.0 + found.terminal_multiplier)
+
     def run(self, s: float) -> Solution:
         """Return the solution with the multiplier at which the terminal set holds."""
         level = self._solver.ocp.level
@@ -203,7 +225,7 @@ class _Search:
                 return found
             if f <= 0.0:
                 inside = (s, f, found)
-            elif s >= LARGEST:
+            elif s >= LARGEST or self._is_out_of_reach(found, level.value):
                 return found._replace(status=Status.INFEASIBLE)
             else:
                 outside = (s, f)
