@@ -245,17 +245,3 @@ def problem_of(scenario: Scenario) -> AttitudeOcp:
         zones=zones_of(scenario),
         actuators=c.actuators if c.actuators.size else None,
     )
-
-
-def zones_of(scenario: Scenario) -> tuple[PointingZone, ...]:
-    """Return the pointing zones of a scenario's section ``nmpc_controller``."""
-    return tuple(
-        PointingZone(
-            "inclusion" if zone.kind == "inclusion" else "exclusion",
-            zone.body_axis,
-            zone.inertial_axis,
-            math.radians(zone.half_angle_deg),
-            zone.penalty,
-        )
-        for zone in scenario.controller.zones
-    )

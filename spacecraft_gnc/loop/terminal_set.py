@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop.controllers import SolverController, zones_of
+from spacecraft_gnc.loop.controllers import SolverController
 from spacecraft_gnc.ocp import ShootingOptions, Status, TerminalSetOcp, TerminalSetSolver
+from spacecraft_gnc.ocp.zones import zones_of
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -70,7 +71,7 @@ def _require_feasible(scenario: Scenario, solver: TerminalSetSolver) -> None:
     least = solver.least_level(*start, target).terminal_level
     raise ParameterError(
         f"nmpc_controller.terminal_set: received {solver.ocp.terminal_set} with horizon: {n}, "
-        f"infeasible from the start, {angle:.5g} deg off the target: required |(Z_N, Pi_N)|_P^2 <= "
+        f"infeasible from the start, {angle:.5g} deg off the target; required |(Z_N, Pi_N)|_P^2 <= "
         f"{level.value:.4g} (by {level.bound_by}), of which {n} steps reach "
         f"{least:.4g} at the least; use {', or '.join(remedies)}"
     )
