@@ -35,6 +35,10 @@ UNGOVERNED: Final = "ungoverned"
 NMPC: Final = "NMPC"
 FLIP_PLUS: Final = "half a turn, pi"
 FLIP_MINUS: Final = "half a turn, -0.99 pi"
+OVER_NMPC: Final = "governor over NMPC"
+ALONE: Final = "NMPC alone"
+PARKED: Final = "NMPC alone, no escape"
+_ALONE: Final = "reference_governor.governor=none"
 _HORIZON: Final = "reference_governor.prediction_horizon={}"
 FLIGHTS: Final = {
     GOVERNED: ("kalabic2014_governor", ()),
@@ -49,6 +53,9 @@ FLIGHTS: Final = {
     NMPC: ("kalabic2014_nmpc", ()),
     FLIP_PLUS: ("kalabic2014_flip_plus", ()),
     FLIP_MINUS: ("kalabic2014_flip_minus", ()),
+    OVER_NMPC: ("governed_nmpc", ()),
+    ALONE: ("governed_nmpc", (_ALONE,)),
+    PARKED: ("governed_nmpc", (_ALONE, "nmpc_controller.standstill_error_deg=0.0")),
 }
 """Name -> scenario, and what is laid over it."""
 LIMIT: Final = 0.02  # (34) [N m]
@@ -75,14 +82,15 @@ def run(baselines: bool, progress: Progress) -> Report:
             for name, (scenario, overrides) in FLIGHTS.items()
         }
     )
-    checks = [*_governor(flights), *_short_predictions(flights), *_nmpc(flights), *_flip(flights)]
+    groups = (_governor, _short_predictions, _nmpc, _flip, _over_nmpc)
+    checks = [check for group in groups for check in group(flights)]
 
     def draw() -> Iterator[tuple[str, Figure]]:
         from spacecraft_gnc.analysis.reproduce import kalabic2014_figures
 
         return kalabic2014_figures.figures(flights)
 
-    tables = [_statements(flights), _times(flights)]
+    tables = [_statements(flights), _side_by_side(flights), _times(flights)]
     return Report(NAME, TITLE, tables, checks, _values(flights), draw)
 
 
@@ -170,6 +178,47 @@ def _flip(flights: Flights) -> list[Check]:
     ]
 
 
+def _over_nmpc(flights: Flights) -> list[Check]:
+    """Check the governor over the NMPC of Gupta et al. 2015, and that it is needed."""
+    governed, alone, parked = (flights.of(name) for name in (OVER_NMPC, ALONE, PARKED))
+    margin = _zone_margin(flights.by_name[OVER_NMPC])
+    return [
+        Check("over NMPC: depth in the zone", 0.0, max(0.0, -float(margin.min())), 0.0, "deg"),
+        Check("over NMPC: error at 300 s", 0.0, float(error_deg(governed)[-1]), 0.1, "deg"),
+        Check("over NMPC: |T| beyond 0.01", 0.0, _largest_torque(governed) - 0.01, 1e-8, "N m"),
+        Check("NMPC alone: depth in the zone", 14.4, -_deepest(flights, ALONE), 0.1, "deg"),
+        Check("NMPC alone: error at 300 s", 0.0, float(error_deg(alone)[-1]), 0.1, "deg"),
+        Check("NMPC alone, no escape: parks at", 57.97, float(error_deg(parked)[-1]), 0.01, "deg"),
+    ]
+
+
+def _zone_margin(flown: Flown) -> Array:
+    """Return (n + 1,) angles left to the border of the flight's one zone [deg]."""
+    (zone,) = flown.scenario.controller.zones
+    return series.zone_margin_deg(flown.trajectory, zone)
+
+
+def _deepest(flights: Flights, name: str) -> float:
+    return float(_zone_margin(flights.by_name[name]).min())
+
+
+def _side_by_side(flights: Flights) -> Table:
+    header = ("a zone across the way", "least angle to it", "error at the end", "< 0.1 deg from",
+              "largest |T|")  # fmt: skip
+    rows = [
+        (
+            name,
+            f"{_deepest(flights, name):.2f} deg",
+            f"{error_deg(flights.of(name))[-1]:.2g} deg",
+            f"{_settled(flights.of(name), 0.1):.1f} s".replace("nan s", "never"),
+            f"{_largest_torque(flights.of(name)):.6f} N m",
+        )
+        for name in (OVER_NMPC, ALONE, PARKED)
+    ]
+    notes = ["config/governed_nmpc.yaml: the spacecraft of Gupta et al. 2015, not in the paper."]
+    return Table("Beyond the paper: the governor over an NMPC", header, rows, notes)
+
+
 def _statements(flights: Flights) -> Table:
     governed, nmpc = flights.of(GOVERNED), flights.of(NMPC)
     plus, minus = flights.of(FLIP_PLUS), flights.of(FLIP_MINUS)
@@ -198,7 +247,7 @@ def _statements(flights: Flights) -> Table:
 def _times(flights: Flights) -> Table:
     header = ("wall time of a step", "median", "longest", "total")
     rows = []
-    for name in (GOVERNED, UNGOVERNED, NMPC, FLIP_PLUS):
+    for name in (GOVERNED, UNGOVERNED, NMPC, FLIP_PLUS, OVER_NMPC):
         flown = flights.by_name[name]
         for what, row in (("decision", flown.decision_times), ("command", flown.step_times)):
             t = times(row)

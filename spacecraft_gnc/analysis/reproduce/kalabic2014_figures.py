@@ -11,11 +11,14 @@ from matplotlib.figure import Figure
 from spacecraft_gnc.analysis import panels, series, sphere, style
 from spacecraft_gnc.analysis.reproduce import overlays
 from spacecraft_gnc.analysis.reproduce.kalabic2014 import (
+    ALONE,
     FLIP_MINUS,
     FLIP_PLUS,
     GOVERNED,
     LIMIT,
     NMPC,
+    OVER_NMPC,
+    PARKED,
     UNGOVERNED,
     Flights,
     error_deg,
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.types import Array
 
 _BODY_AXES: Final = tuple({"color": color} for color in style.AXIS_COLOURS)
+_ZONE_VIEW: Final = sphere.View(azimuth_deg=40.0, elevation_deg=20.0)
 VIEW: Final = sphere.View(azimuth_deg=50.0, elevation_deg=38.0)
 
 
@@ -36,6 +40,7 @@ def figures(flights: Flights) -> Iterator[tuple[str, Figure]]:
     yield "kalabic2014_governor", _governor(flights)
     yield "kalabic2014_nmpc", _nmpc(flights)
     yield "kalabic2014_flip", _flip(flights)
+    yield "governed_nmpc", _over_nmpc(flights)
 
 
 def _governor(flights: Flights) -> Figure:
@@ -104,6 +109,41 @@ def _flip(flights: Flights) -> Figure:
         return figure
 
 
+def _over_nmpc(flights: Flights) -> Figure:
+    """Draw the same scenario with the governor and without."""
+    names = (OVER_NMPC, ALONE, PARKED)
+    flown = [flights.by_name[name] for name in names]
+    times = series.state_times(flown[0].trajectory)
+    zones = flown[0].scenario.controller.zones
+    with style.applied():
+        figure = Figure((11.0, 8.4), layout="constrained")
+        grid = figure.add_gridspec(5, 2)
+        for column in range(2):
+            axes = figure.add_subplot(grid[:3, column])
+            panels.attitude_sphere(axes, flown[column].trajectory, zones, _ZONE_VIEW)
+            axes.set_title(f"Body axes, {names[column]}")
+            references = flown[column].trajectory.reference
+            sphere.draw_curve(axes, _ZONE_VIEW, references[:, :, 0], color=style.INK, linewidth=0.8)
+        margins = {
+            name: series.zone_margin_deg(one.trajectory, zones[0])
+            for name, one in zip(names, flown, strict=True)
+        }
+        left = figure.add_subplot(grid[3:, 0])
+        overlays.lines(left, times, margins, title="Angle to the zone", ylabel="angle [deg]")
+        left.axhline(0.0, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--")
+        errors = {name: error_deg(flights.of(name)) for name in names}
+        overlays.lines(
+            figure.add_subplot(grid[3:, 1]), times, errors, title="Angle to the target",
+            ylabel="angle [deg]", floor=1e-3,
+        )  # fmt: skip
+        figure.suptitle(
+            "A 15 deg zone across an 86 deg turn: governor over NMPC, and NMPC alone",
+            fontsize=12,
+            fontweight="bold",
+        )
+        return figure
+
+
 def _title(figure: Figure, what: str) -> None:
     figure.suptitle(f"Kalabic et al. (2014): {what}", fontsize=12, fontweight="bold")
 
@@ -157,4 +197,5 @@ def _path(axes: Axes, flown: Flown, every: float) -> None:
         near = picture[depth >= 0.0]
         axes.plot(near[:, 0], near[:, 1], "o", color=color, markersize=3.0, zorder=3.4)
         sphere.draw_curve(axes, VIEW, references[:, :, i], color=style.INK, linewidth=0.8)
-    axes.set_title(f"Body axes, a dot every {every:g} s; reference thin")
+    shaped = "; reference thin" if flown.scenario.governor.governor != "none" else ""
+    axes.set_title(f"Body axes, a dot every {every:g} s{shaped}")
