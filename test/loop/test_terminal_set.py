@@ -11,7 +11,6 @@ from terminal_cases import REST, START, paper
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
-from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop import Source, State
 from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.loop.terminal_set import TerminalSetController
@@ -63,7 +62,7 @@ def test_the_printed_problem_flies_with_the_horizon_that_it_needs():
 
 def test_the_printed_problem_is_refused_with_what_would_do():
     scenario = load(CONFIG / "kalabic2014_nmpc.yaml", ["nmpc_controller.terminal_set=true"])
-    with pytest.raises(ParameterError) as caught:
+    with pytest.raises(InvalidScenario) as caught:
         scenario.build()
     for part in ("received true with horizon: 5", "37.82", "397.9", "horizon: 251"):
         assert part in str(caught.value)
