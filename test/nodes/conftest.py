@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -16,6 +18,7 @@ from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.nodes._node import GncNode
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
+REST = 20  # tests for which a domain rests: nodes that Python has yet to collect still speak there
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 
 
@@ -42,8 +45,19 @@ class Ros:
             self.executor.spin_once(timeout_sec=0.05)
 
 
+@pytest.fixture(scope="session")
+def resting() -> Iterator[deque[domain.DomainLock]]:
+    """Domains of the last tests, the oldest first."""
+    locks: deque[domain.DomainLock] = deque()
+    yield locks
+    for lock in locks:
+        lock.release()
+
+
 @pytest.fixture
-def ros(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Ros]:
+def ros(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, resting: deque[domain.DomainLock]
+) -> Iterator[Ros]:
     arguments = ["test", "--ros-args", "--params-file", str(CASE1)]
     arguments += ["-p", f"recorder:storage_folder:={tmp_path / 'bag'}"]
     monkeypatch.setattr(sys, "argv", arguments)
@@ -60,5 +74,9 @@ def ros(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Ros]:
         for node in ros.nodes:
             ros.executor.remove_node(node)
             node.destroy_node()
+        ros.executor.shutdown()
         rclpy.try_shutdown()
-        lock.release()
+        gc.collect()
+        resting.append(lock)
+        if len(resting) > REST:
+            resting.popleft().release()
