@@ -58,7 +58,7 @@ colcon: setup ## build both packages with colcon into build/ and install/
 
 lock: $(STAMPS)/environment ## resolve the dependencies anew into requirements.lock
 	@$(BIN)/python -m pip install -qq uv
-	@$(BIN)/uv pip compile setup.py requirements.in --extra ros --universal --python-version 3.10 \
+	@$(BIN)/uv pip compile setup.py requirements.in --extra export --extra ros --extra view --universal --python-version 3.10 \
 		--generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --quiet --upgrade --output-file requirements.lock
 
 clean: ## remove everything that make and colcon made, but no flight

@@ -32,6 +32,7 @@ setup(
         "mcap>=1.2",
         "numba>=0.61",
         "numpy>=1.26",
+        "plotly>=6.0",
         "psutil>=5.9",
         "PyYAML>=6.0",
         "rich>=13",
@@ -40,6 +41,8 @@ setup(
         "typer>=0.12",
     ],
     extras_require={
+        "export": ["pyarrow>=15"],  # gnc export --format parquet
+        "view": ["foxglove-sdk>=0.16"],  # gnc view for the Foxglove app
         "ros": [
             "ros-jazzy-rclpy[fastrtps]>=7.1.2",  # first release with working lifecycle transitions
             "ros-jazzy-action-msgs",
