@@ -35,13 +35,13 @@ def verify(path: Path, progress: Progress | None = None) -> None:
     """
     with path.open("rb") as stream:
         end = stream.seek(0, 2) - _FOOTER_SIZE
-        data_end, data_crc = _data_section(stream, end, progress)
+        data_end, data_crc = _data_section(stream, end)
         if data_crc:
             _require("the data", _sum(stream, 0, data_end, progress), data_crc)
         _summary(stream, data_end, end)
 
 
-def _data_section(stream: IO[bytes], end: int, progress: Progress | None) -> tuple[int, int]:
+def _data_section(stream: IO[bytes], end: int) -> tuple[int, int]:
     """Return where the record Data End stands and the checksum in it; check the attachments."""
     position = len(MAGIC)
     while position < end:
@@ -62,7 +62,7 @@ def _summary(stream: IO[bytes], data_end: int, end: int) -> None:
     """Check the summary: from its start to the checksum in the footer."""
     stream.seek(end)
     opcode, length = _HEAD.unpack(stream.read(_HEAD.size))
-    start, offsets, crc = _FOOTER.unpack(stream.read(_FOOTER.size))
+    start, _, crc = _FOOTER.unpack(stream.read(_FOOTER.size))
     after_data = data_end + _HEAD.size + _CRC.size
     if (opcode, length) != (Opcode.FOOTER, _FOOTER.size) or start not in (0, after_data):
         raise RecordingError("the footer is not that of the file")

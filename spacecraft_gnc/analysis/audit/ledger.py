@@ -52,6 +52,8 @@ class Check:
     worst: float = 0.0
     first: Difference | None = None
     note: str = ""
+    is_condition: bool = False
+    """Whether it is kept or not, without a measure."""
 
     @property
     def steps(self) -> int:
@@ -143,6 +145,7 @@ class Ledger:
     ) -> None:  # fmt: skip
         """Require a condition of steps (m,)."""
         line = self.check(name, tolerance)
+        line.is_condition = True
         wrong = ~kept.reshape(-1, 1)
         self._enter(line, steps, where, wrong.astype(float), wrong)
 

@@ -256,7 +256,7 @@ class SolverAudit:
             ledger.bound(name, steps, where, off, CURVATURE, "relative")
 
     def _terminal_set(self, steps: NDArray[np.int64], plans: Plans, found: Certificates) -> None:
-        """nu >= 0, the end lies in the set, and on its border where nu > 0 (Kalabic (29))."""
+        """Require nu >= 0, the end in the set, and on its border where nu > 0: Kalabic (29)."""
         ocp = self._certifier.ocp
         if not isinstance(ocp, TerminalSetOcp) or ocp.level is None:
             return
