@@ -43,7 +43,7 @@ def audit_references(evidence: Evidence, ledger: Ledger, progress: Progress | No
 
 
 def _decisions(evidence: Evidence, ledger: Ledger) -> None:
-    """A share lies between 0 and 1; what is admissible has room; what is refused is held."""
+    """Check that a share lies between 0 and 1, and that what is admissible has room."""
     columns = evidence.columns[GOVERNOR_STATUS]
     name, sign = "alpha between 0 and 1", "margin >= 0 where admissible"
     if not columns.steps.size:
@@ -90,6 +90,7 @@ class _Follower:
         g = evidence.scenario.governor
         self._aim = lie.exp(g.target_rotation_vector)
         self._governed = g.governor != "none"
+        self._routed = self._governed and g.route
         self._shift = g.cut_point_shift
         self._held: Array | None = None
         self._last, self._waypoints = -1, 0
@@ -111,6 +112,9 @@ class _Follower:
             return
         off = float(np.abs(reference - self._moved(held, alpha)).max())
         limit = INFERRED if self._slews else GEODESIC
+        if alpha == 1.0 and self._routed and not off <= limit:
+            self._on_the_way += 1  # a waypoint, reached in the step that it was chosen in
+            return
         if alpha > 0.0 and not off <= limit:
             self._slews.append(step)
             self._aim = reference

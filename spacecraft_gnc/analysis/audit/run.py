@@ -103,9 +103,9 @@ def audit_bag(
         audit_order(evidence, ledger, held, allow_unfinished)
         plant = evidence.scenario.build_plant()
         audit_motion(evidence, plant, ledger, tolerance, watch("integrating"))
-        audit_torques(evidence, held, ledger)
         audit_references(evidence, ledger, watch("following the reference"))
         _audit_solves(evidence, ledger, watch("certifying"))
+        audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
     return Audit(Path(path), evidence.n, tuple(ledger.checks.values()), ledger.first)
 
 

@@ -79,6 +79,7 @@ class SolverAudit:
         plans = self._plans(steps, rows)
         self._ladder.audit(self._fallbacks(block, solved), steps, plans, rows)
         if not steps.size:
+            self._ledger.skip("plan starts at the state", "no solve converged")
             return
         self._standstill.audit(steps, plans, rows)
         found = self._certifier.certify(plans)
