@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import struct
 
-import numpy as np
 import pytest
-from flown_bags import fly, messages_of, rewrite, sections
+from flown_bags import fly, messages_of, rewrite
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
