@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from mcap.reader import make_reader
 from recording.bags import CODEC, announce
 
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.ocp import Status
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
@@ -38,8 +39,17 @@ def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return merged
 
 
-def fly(folder: Path, flown: Mapping[str, Mapping[str, Any]] = SECTIONS) -> Path:
-    """Fly a scenario and record it as the nodes would; return the bag."""
+def fly(
+    folder: Path,
+    flown: Mapping[str, Mapping[str, Any]] = SECTIONS,
+    failing: Collection[int] = (),
+    targets: Mapping[int, Any] | None = None,
+) -> Path:
+    """Fly a scenario and record it as the nodes would; return the bag.
+
+    Solves of the steps ``failing`` are said not to have converged; from the steps of ``targets`` on
+    another attitude is asked for.
+    """
     scenario = from_sections(flown)
     with BagWriter(folder / "bag") as bag:
         announce(bag)
@@ -48,11 +58,17 @@ def fly(folder: Path, flown: Mapping[str, Mapping[str, Any]] = SECTIONS) -> Path
         loop = scenario.build()
         for core in (loop.plant, loop.controller, loop.governor):
             core.reset()
+        if failing:
+            loop.controller.solver = _Failing(loop.controller.solver, failing)
         state, applied, source = loop.plant.state, np.zeros(3), Source.ZERO
         for k in range(loop.plant.n_steps + 1):
             recorder.state(k, loop.plant, applied, source)
             if k == loop.plant.n_steps:
                 break
+            if k in (targets or {}):
+                loop.governor.set_target(targets[k])
+            if failing:
+                loop.controller.solver.step = k
             decision = loop.governor.decide(state)
             recorder.decision(k, decision)
             command = loop.controller.command(state, decision.reference)
@@ -60,6 +76,19 @@ def fly(folder: Path, flown: Mapping[str, Mapping[str, Any]] = SECTIONS) -> Path
             applied, source = command.torque, command.source
             state = loop.plant.step(applied)
     return folder / "bag"
+
+
+class _Failing:
+    """A solver that gives up at some steps."""
+
+    def __init__(self, solver: Any, failing: Collection[int]) -> None:
+        self._solver, self._failing = solver, failing
+        self.step = 0
+
+    def solve(self, *problem: Any) -> Any:
+        found = self._solver.solve(*problem)
+        failed = self.step in self._failing
+        return found._replace(status=Status.MAX_ITERATIONS) if failed else found
 
 
 class _Recorder:
