@@ -24,6 +24,7 @@ from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
 
 # Bytes of a serialized message: four of encapsulation, the stamp, the frame, padding, the step.
+APPLIED = "plant_invariants.applied_torque"
 NS = 400_000_000  # control period [ns]
 FIELDS = {
     ("attitude_state", "attitude"): (36, 9),
@@ -295,13 +296,19 @@ FLIGHTS = {
             "inertia": [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0],
             "time_step": 0.1,
             "duration": 1.0,
-            "initial_rotation_vector": [0.05, 0.0, 0.0],
+            "initial_rotation_vector": [0.352, 0.264, 0.0],
             "initial_momentum": [0.0, 0.0, 0.0],
         },
         "nmpc_controller": {
             "method": "terminal_set",
-            "horizon": 40,
-            "max_torque": 0.5,
+            "horizon": 60,
+            "max_torque": 0.02,
+            "weights": {
+                "stage_attitude": 1.0,
+                "stage_rate": [3.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 5.0],
+                "stage_torque": 1000.0,
+            },
+            "stage_cost_scale": 0.9,
             "terminal_set": "true",
         },
     },
@@ -343,7 +350,8 @@ def examined(audit):
 def test_every_rung_of_the_ladder_is_worked_out_again(tmp_path):
     """Feedback without a plan, corrections of one, its torques towards another target, feedback."""
     failing = {0, 3, 4, 5, 8, 9, 10, 11}
-    flown = fly(tmp_path, failing=failing, targets={9: lie.exp([0.0, 0.0, 0.2])})
+    scenario = sections(nmpc_controller={"continuation": "none"})
+    flown = fly(tmp_path, scenario, failing=failing, targets={9: lie.exp([0.0, 0.0, 0.2])})
     audit = audit_bag(flown)
     assert audit.passed, audit.first
     assert examined(audit)["rung of the ladder"] == len(failing)
@@ -390,3 +398,47 @@ def test_the_multiplier_of_an_active_terminal_set_is_found(tmp_path):
         found = certifier.certify(auditor._plans(block.steps, block.fields))
     assert found.multiplier[0] > 1e-3
     assert found.residual.max() < 1e-9
+
+
+def test_a_free_run_holds_the_last_torque_and_then_none_as_its_plant_counts(tmp_path):
+    free = {"mode": "free_run", "max_held_steps": 2}
+    late = {2, 5, 6, 7, 9}
+    flown = fly(tmp_path, sections(plant=free), late=late)
+    audit = audit_bag(flown)
+    assert audit.passed, audit.first
+    assert examined(audit)["torque where no command came in time"] == len(late)
+    assert examined(audit)["applied torque = command"] == 12 - len(late)
+    lost = [  # the answer to step 5 never came, and is not needed
+        item for item in messages_of(flown)
+        if item[:2] not in {("/torque_command", 5 * NS), ("/solver_status", 5 * NS)}
+    ]  # fmt: skip
+    audit = audit_bag(rewrite(flown, tmp_path / "lost", lost))
+    assert audit.passed, audit.first
+    for step in (2, 6, 7):  # held, held again, zero: none of them may be another torque
+        changed = [
+            (topic, stamp, flipped(data, 8 * 76)
+             if topic == "/plant_invariants" and step_of(data) == step + 1 else data)
+            for topic, stamp, data in messages_of(flown)
+        ]  # fmt: skip
+        found = audit_bag(rewrite(flown, tmp_path / str(step), changed))
+        expected = ("torque where no command came in time", step, f"{APPLIED}[0]")
+        assert first_of(found) == expected
+
+
+def test_a_late_torque_that_the_plant_does_not_count_is_no_excuse(tmp_path):
+    flown = fly(tmp_path, sections(plant={"mode": "free_run"}), late={4})
+    changed = [
+        (topic, stamp, edited("WallTiming", held_commands=lambda _: 0)(data)
+         if topic == "/wall_timing" else data)
+        for topic, stamp, data in messages_of(flown)
+    ]  # fmt: skip
+    found = audit_bag(rewrite(flown, tmp_path / "changed", changed))
+    assert first_of(found) == ("applied torque = command", 4, f"{APPLIED}[0]")
+
+
+def test_a_lockstep_time_out_is_excused_where_the_plant_counts_it(tmp_path):
+    """Without a command in time the plant of a lockstep flight applies none, and counts it."""
+    flown = fly(tmp_path, sections(plant={"max_held_steps": 0}), late={4})
+    audit = audit_bag(flown)
+    assert audit.passed, audit.first
+    assert examined(audit)["torque where no command came in time"] == 1
