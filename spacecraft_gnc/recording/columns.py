@@ -109,8 +109,8 @@ def iter_columns(
 ) -> Iterator[tuple[str, Columns]]:
     """Yield (name, columns) of some thousand messages at a time, in the order of recording.
 
-    With the flight grows no more than a digest of each message. A step is unique in its block, not between blocks.
-    Arguments and errors as in `read_columns`.
+    With the flight grows no more than a digest of each message. A step is unique in its block,
+    not between blocks. Arguments and errors as in `read_columns`.
     """
     topics = flight_topics(bag, names, namespace)
     pending: dict[str, list[bytes]] = {topic: [] for topic in topics}
