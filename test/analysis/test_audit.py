@@ -280,6 +280,13 @@ FLIGHTS = {
             "exact_every": 5,
         }
     },
+    "a loose tolerance": {"nmpc_controller": {"residual_tolerance": 1e-6}},
+    "a very loose tolerance and a soft limit": {
+        "nmpc_controller": {"residual_tolerance": 1e-4, "torque_penalty": 1.0e4}
+    },
+    "loose single shooting": {
+        "nmpc_controller": {"formulation": "single_shooting", "residual_tolerance": 1e-6}
+    },
     "feedback": {"nmpc_controller": {"method": "feedback"}},
     "slsqp": {"nmpc_controller": {"method": "slsqp"}},
     "fsolve": {"nmpc_controller": {"method": "fsolve"}},

@@ -9,13 +9,16 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.analysis.audit.ledger import Ledger
 from spacecraft_gnc.analysis.audit.plans import HARD, Certificates, Certifier, Plans
+from spacecraft_gnc.ocp._data_kernels import MU0
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
+from spacecraft_gnc.types import Array
 
 ROUNDING: Final = 1e-13
 """Relative: a few hundred roundings, of the sums over a horizon."""
 CURVATURE: Final = 1e-3
-"""Relative: the published curvature is that of the last linearisation, a Newton step away."""
+"""Relative: the published curvature is that of the last linearisation, a Newton step away, which is
+of the order of the square root of what the step left."""
 CONDITIONS: Final = {
     "backward_sweep": 1e-12,
     "single_shooting": 1e-9,
@@ -32,6 +35,8 @@ CUT_COST: Final = 1e-8
 """Share of the cost that this cut may change."""
 NEWTON: Final = ("backward_sweep", "single_shooting")
 """Formulations that stop by ``residual_tolerance``, relative to 1 + max |lambda2|."""
+AMPLIFIED: Final = 1e3
+"""How many times larger than its residual the error of a forward run's costates may be."""
 FORWARD_RUN: Final = ("single_shooting", "fsolve")
 FORWARD: Final = 1e-6
 """Share of the largest first costate that those differ, which they find by a forward run."""
@@ -95,7 +100,6 @@ class CertificateAudit:
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, found: Certificates
     ) -> None:
         ledger, ocp = self._ledger, self._certifier.ocp
-        size = 1.0 + float(np.abs(found.costates).max(initial=0.0))
         share = CONDITIONS.get(formulation)
         name = f"residual ({formulation})"
         if share is None:
@@ -107,10 +111,15 @@ class CertificateAudit:
             free = np.ones(len(steps), dtype=bool)
         off = found.residual - rows["residual"]
         if formulation == NEIGHBORING and ocp.max_torque > 0.0:
-            # along a torque on the limit its multipliers are off by what no recorded number tells
-            on_limit = found.largest >= ocp.max_torque * (1.0 - CUT)
-            off = np.where(on_limit, np.maximum(off, 0.0), off)
-        ledger.bound(name, steps[free], "solver_status.residual", off[free], share * size)
+            # there its multipliers are off by what no recorded number tells: it may claim more
+            off = np.where(found.largest >= ocp.max_torque * (1.0 - CUT), np.maximum(off, 0.0), off)
+        # along a torque on the limit what a stopped solve has left is no longer to be seen
+        on_limit = (ocp.max_torque > 0.0) & (found.largest >= ocp.max_torque * (1.0 - CUT))
+        limit = share * (1.0 + found.largest_costate)
+        if formulation in FORWARD_RUN:
+            limit += AMPLIFIED * self._left(found)
+        limit += np.where(on_limit, self._left(found), 0.0)
+        ledger.bound(name, steps[free], "solver_status.residual", off[free], limit[free])
         self._converged(formulation, steps, rows, found)
         name = f"|u| where the limit acts{_said(formulation)}"
         if ocp.max_torque == 0.0:
@@ -119,9 +128,11 @@ class CertificateAudit:
         if formulation == HARD:
             ledger.skip(name, "slsqp keeps the limit as a constraint of its own")
             return
-        tolerance = (CUT if formulation == NEIGHBORING else 10.0 * ROUNDING) * ocp.max_torque
+        share = CUT if formulation == NEIGHBORING else 10.0 * ROUNDING
+        limit = share * ocp.max_torque
+        limit += self._left(found) / (2.0 * self._certifier.data[MU0] * ocp.max_torque**2)
         where = "solver_status.predicted_torques"
-        ledger.bound(name, steps, where, found.radius_defect, tolerance, "N m")
+        ledger.bound(name, steps, where, found.radius_defect, limit, "N m")
 
     def _converged(
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, found: Certificates
@@ -129,10 +140,12 @@ class CertificateAudit:
         """Require the residual of a Newton solve below the tolerance of the scenario."""
         if formulation not in NEWTON:
             return
-        limit = self._residual_tolerance * (1.0 + found.largest_costate) * (1.0 + ROUNDING)
-        self._ledger.bound(
-            f"converged ({formulation})", steps, "solver_status.residual", rows["residual"], limit
-        )
+        limit, where = (1.0 + ROUNDING) * self._left(found), "solver_status.residual"
+        self._ledger.bound(f"converged ({formulation})", steps, where, rows["residual"], limit)
+
+    def _left(self, found: Certificates) -> Array:
+        """Return (m,) residuals at which a Newton solve stops."""
+        return self._residual_tolerance * (1.0 + found.largest_costate)
 
     def _numbers(
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
@@ -143,15 +156,27 @@ class CertificateAudit:
         off = found.cost - rows["cost"]
         scale = max(float(np.abs(found.cost).max()), 1e-300)
         limit = (CUT_COST if formulation == NEIGHBORING else 10.0 * ROUNDING) * scale
-        bound(f"cost{_said(formulation)}", steps, "solver_status.cost", off, limit)
+        limits = limit + self._left_of_cost(found)
+        bound(f"cost{_said(formulation)}", steps, "solver_status.cost", off, limits)
         claimed = rows["first_costate"]
         size = max(float(np.abs(claimed).max()), 1e-300)
         off = found.costates - claimed
-        bound("first costate", steps, "solver_status.first_costate", off, share * size)
+        limits = np.full(len(steps), share * size)
+        if formulation in FORWARD_RUN:
+            limits += AMPLIFIED * self._left(found)
+        bound("first costate", steps, "solver_status.first_costate", off, limits[:, None])
         self._margins(formulation, steps, rows, plans, found)
         self._curvature(formulation, steps, rows, found)
         if self._certifier.has_set:
             self._terminal_set(steps, plans, found)
+
+    def _left_of_cost(self, found: Certificates) -> Array:
+        """Return (m,) how much the cost of what exceeds the limit depends on what a solve left."""
+        ocp = self._certifier.ocp
+        if ocp.max_torque == 0.0:
+            return np.zeros(len(found.largest))
+        excess = np.maximum(found.largest**2 - ocp.max_torque**2, 0.0) / ocp.max_torque
+        return np.asarray(ocp.horizon * ocp.time_step * excess * self._left(found))
 
     def _margins(
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
@@ -187,7 +212,8 @@ class CertificateAudit:
             ledger.require(name, "sign: of an earlier solve", steps, where, kept)
         else:
             off = found.curvature / claimed - 1.0
-            ledger.bound(name, steps, where, off, CURVATURE, "relative")
+            limit = np.maximum(CURVATURE, 10.0 * np.sqrt(self._left(found)))
+            ledger.bound(name, steps, where, off, limit, "relative")
 
     def _terminal_set(self, steps: NDArray[np.int64], plans: Plans, found: Certificates) -> None:
         """Require nu >= 0, the end in the set, and on its border where nu > 0: Kalabic (29)."""
