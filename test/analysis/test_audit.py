@@ -284,6 +284,7 @@ FLIGHTS = {
     "a very loose tolerance and a soft limit": {
         "nmpc_controller": {"residual_tolerance": 1e-4, "torque_penalty": 1.0e4}
     },
+    "the chord": {"nmpc_controller": {"step_rule": "chord", "residual_tolerance": 1e-7}},
     "loose single shooting": {
         "nmpc_controller": {"formulation": "single_shooting", "residual_tolerance": 1e-6}
     },

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from spacecraft_gnc.ocp._data_kernels import MU0
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.types import Array
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario.schema import ControllerParameters
 
 ROUNDING: Final = 1e-13
 """Relative: a few hundred roundings, of the sums over a horizon."""
@@ -56,14 +59,17 @@ class CertificateAudit:
         Problem of the method.
     ledger
         Gets the verdicts.
-    residual_tolerance
-        Of the scenario, at which Newton's method stops.
+    parameters
+        Of the controller: when Newton's method stops, and by which steps it goes.
     """
 
-    def __init__(self, certifier: Certifier, ledger: Ledger, residual_tolerance: float) -> None:
+    def __init__(
+        self, certifier: Certifier, ledger: Ledger, parameters: ControllerParameters
+    ) -> None:
         self._certifier = certifier
         self._ledger = ledger
-        self._residual_tolerance = residual_tolerance
+        self._residual_tolerance = parameters.residual_tolerance
+        self._keeps_factors = parameters.step_rule == "chord"
 
     def audit(
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
@@ -129,8 +135,8 @@ class CertificateAudit:
             ledger.skip(name, "slsqp keeps the limit as a constraint of its own")
             return
         share = CUT if formulation == NEIGHBORING else 10.0 * ROUNDING
-        limit = share * ocp.max_torque
-        limit += self._left(found) / (2.0 * self._certifier.data[MU0] * ocp.max_torque**2)
+        penalty = 2.0 * self._certifier.data[MU0] * ocp.max_torque**2
+        limit = share * ocp.max_torque + self._left(found) / penalty
         where = "solver_status.predicted_torques"
         ledger.bound(name, steps, where, found.radius_defect, limit, "N m")
 
@@ -206,10 +212,10 @@ class CertificateAudit:
         claimed = rows["min_curvature"]
         if formulation == HARD:
             ledger.skip(name, "slsqp certifies no minimum")
-        elif formulation == NEIGHBORING:
+        elif formulation == NEIGHBORING or self._keeps_factors:
             kept = (found.curvature > 0.0) == (claimed > 0.0)
             name = f"curvature{_said(formulation)}"
-            ledger.require(name, "sign: of an earlier solve", steps, where, kept)
+            ledger.require(name, "sign: of earlier factors", steps, where, kept)
         else:
             off = found.curvature / claimed - 1.0
             limit = np.maximum(CURVATURE, 10.0 * np.sqrt(self._left(found)))

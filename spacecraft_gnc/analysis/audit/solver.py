@@ -39,8 +39,8 @@ class SolverAudit:
         self._evidence = evidence
         self._certifier = certifier
         self._ledger = ledger
-        tolerance = evidence.scenario.controller.residual_tolerance
-        self._certificate = CertificateAudit(certifier, ledger, tolerance)
+        parameters = evidence.scenario.controller
+        self._certificate = CertificateAudit(certifier, ledger, parameters)
         self._ladder = LadderAudit(evidence, certifier, ledger)
         self._standstill = StandstillAudit(evidence, certifier, ledger)
 
