@@ -1,4 +1,4 @@
-"""Which recorded numbers must be finite: all that the message definitions do not allow to be else."""
+"""Which recorded numbers must be finite: all, but where a message definition says otherwise."""
 
 from __future__ import annotations
 
@@ -73,7 +73,8 @@ def require_finite(
 def _wrong(name: str, values: NDArray[Any]) -> NDArray[np.bool_]:
     if name in _ANY:
         return np.zeros(values.shape, dtype=bool)
-    return np.isnan(values) if name in _INFINITE else ~np.isfinite(values)
+    wrong: NDArray[np.bool_] = np.isnan(values) if name in _INFINITE else ~np.isfinite(values)
+    return wrong
 
 
 def _along(rows: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[np.bool_]:

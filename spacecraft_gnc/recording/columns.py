@@ -22,6 +22,7 @@ from spacecraft_gnc.recording.steps import UNIQUE, flight_topics
 from spacecraft_gnc.types import Array
 
 _BLOCK: Final = 4096  # messages of one topic that are decoded together
+_MOST_STEPS: Final = 2**53  # where a float stops to hold each integer
 _STEP: Final = "step"
 _STAMP: Final = ("header.stamp.sec", "header.stamp.nanosec")
 _HEADER: Final = "header."
@@ -163,11 +164,22 @@ def _block(bag: Bag, topic: str, messages: list[bytes], order: _Order | None) ->
             f"{bag.path}: {topic}: {error}, as its definition in the bag says; record again"
         ) from error
     for group in groups:
+        _require_reachable(f"{bag.path}: {topic}", group.steps)
         require_finite(f"{bag.path}: {topic}", group.steps, group.fields)
-    unsorted = _gathered(groups, len(messages))
+    unsorted = _gathered(groups)
     if order is not None:
         order.check(bag, topic, unsorted.steps.tolist(), messages)
     return _by_step(unsorted)
+
+
+def _require_reachable(where: str, steps: NDArray[np.int64]) -> None:
+    """Refuse a step that no flight counts to: an unsigned number, read as a signed one, wraps."""
+    beyond = np.flatnonzero((steps < 0) | (steps >= _MOST_STEPS))
+    if beyond.size:
+        raise RecordingError(
+            f"{where}: received step {int(steps[beyond[0]]) % 2**64}; required a step below "
+            f"2^53, as counted from 0; the message was recorded so: record again"
+        )
 
 
 def _decoded(group: Group) -> _Decoded:
@@ -188,7 +200,7 @@ def _plain(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(wide)
 
 
-def _gathered(parts: list[_Decoded], count: int) -> Columns:
+def _gathered(parts: list[_Decoded]) -> Columns:
     """Put the groups of a block back into the order in which the messages came."""
     rows = np.concatenate([part.rows for part in parts])
     back = np.argsort(rows)
