@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
-from spacecraft_gnc.cli._progress import stages
 from spacecraft_gnc.cli.plot import ScenarioOption, UnfinishedOption
 
 if TYPE_CHECKING:
@@ -50,13 +49,11 @@ def report(
         from spacecraft_gnc.scenario import load
 
         known = load(scenario)
-    runs = []
-    with stages(len(sources) + 1, silent=quiet or as_json) as done:
-        for path, name in zip(sources, run_names(sources), strict=True):
-            runs.append(read_run(path, name, known, allow_unfinished=unfinished))
-            done(f"read {name}")
-        write_report(report_html(runs, title), out)
-        done("written")
+    runs = [
+        read_run(path, name, known, allow_unfinished=unfinished)
+        for path, name in zip(sources, run_names(sources), strict=True)
+    ]
+    write_report(report_html(runs, title), out)
     _tell(runs, out, as_json=as_json, quiet=quiet)
 
 

@@ -26,7 +26,7 @@ _SCRIPTS: Final = ("report.js", "sphere.js")
 # its 3-D scenes when it runs.
 _POLICY: Final = (
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; "
-    "img-src data: blob:"
+    "img-src data: blob:; form-action 'none'; base-uri 'none'"
 )
 
 
@@ -51,6 +51,7 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
     data = {"charts": [chart.data() for chart in charts], "sphere": sphere_data(runs, points)}
     parts = {
         "title": heading,
+        "several": "several" if len(runs) > 1 else "",
         "version": html.escape(__version__),
         "policy": _POLICY,
         "style": _resource("report.css"),
@@ -113,13 +114,12 @@ def _chart(chart: Chart) -> str:
             f'<option value="{i}">{html.escape(variant.label)}</option>'
             for i, variant in enumerate(chart.variants)
         )
-        controls = (
-            f'<label class=control>shown as <select data-variants="{name}">{options}</select></label>'
-        )
+        select = f'<select data-variants="{name}">{options}</select>'
+        controls = f"<label class=control>shown as {select}</label>"
     note = chart.note or (chart.variants[0].note if chart.variants else "")
-    wide = " wide" if chart.wide else ""
+    shape = (" wide" if chart.wide else "") + (" tall" if chart.tall else "")
     return (
-        f'<section class="chart{wide}" aria-labelledby="h-{name}"><div class=head>'
+        f'<section class="chart{shape}" aria-labelledby="h-{name}"><div class=head>'
         f'<h3 id="h-{name}">{html.escape(chart.title)}</h3>{controls}</div>'
         f'<div id="{name}" class=plot role=img aria-label="{html.escape(chart.title)}"></div>'
         f'<p class=note id="n-{name}">{html.escape(note)}</p></section>'

@@ -8,15 +8,17 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.report.chart import Chart, components, one_curve_each
+from spacecraft_gnc.analysis.report.chart import Chart, components, one_curve_each, over_time
 from spacecraft_gnc.analysis.report.envelope import per_interval
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.traces import axis, figure, label, log_axis
+from spacecraft_gnc.analysis.report.traces import axis, label, log_axis
 from spacecraft_gnc.loop.protocols import Source
 
 _MISSING: Final = -1
-_NAMES: Final = {_MISSING: "not recorded", **{int(s): _name for s in Source
-                 for _name in [s.name.lower().replace("_", " ")]}}  # fmt: skip
+_NAMES: Final = {
+    _MISSING: "not recorded",
+    **{int(source): source.name.lower().replace("_", " ") for source in Source},
+}
 _BAND_HEIGHT: Final = 34  # [px]
 
 
@@ -45,12 +47,19 @@ def source_chart(runs: Sequence[Run], points: int) -> Chart:
             bar["base"].append(stretch.begin)
             bar["x"].append(stretch.end - stretch.begin)
             bar["customdata"].append([stretch.begin, stretch.end, stretch.steps])
-    x = axis("time [s]")
-    y = axis("", autorange="reversed", showticklabels=len(runs) > 1, ticks="")
-    drawn = figure([bars[source] for source in sorted(bars)], [y], x)
+    y = axis(
+        "",
+        autorange="reversed",
+        showticklabels=len(runs) > 1,
+        ticks="",
+        categoryorder="array",
+        categoryarray=names,
+    )
+    drawn = over_time(runs, [bars[source] for source in sorted(bars)], y)
     drawn["layout"].update(
         {
             "barmode": "overlay",
+            "showlegend": True,  # of a single source too
             "bargap": 0.25,
             "hovermode": "closest",
             "height": 110 + _BAND_HEIGHT * len(runs),
@@ -95,8 +104,7 @@ def _bar(source: int) -> dict[str, Any]:
         "x": [],
         "customdata": [],
         "marker": {"color": colour, "line": {"width": 0}},
-        "hovertemplate": "%{customdata[0]:.6g} s to %{customdata[1]:.6g} s: "
-        "%{customdata[2]} steps",
+        "hovertemplate": "%{customdata[0]:.6g} s to %{customdata[1]:.6g} s: %{customdata[2]} steps",
     }
 
 
@@ -114,19 +122,19 @@ def invariant_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
     )
     if energy:
         note = f"Rotational; only torque changes it. {origin}"
-        drawn = figure(energy, [axis(f"energy [{unit.label}]", rangemode="tozero")])
+        drawn = over_time(runs, energy, axis(f"energy [{unit.label}]", rangemode="tozero"))
         yield Chart("energy", "Kinetic energy", note, drawn)
     unit = style.prefixed("N m s", *(run.telemetry.inertial_momentum for run in runs))
     drawn = components(
         runs, points, lambda run: run.telemetry.inertial_momentum, "XYZ", "momentum", unit
     )
     note = f"Components in the inertial frame; only torque changes it. {origin}"
-    yield Chart("inertial_momentum", "Inertial angular momentum", note, drawn)
+    yield Chart("inertial_momentum", "Inertial angular momentum", note, drawn, tall=len(runs) > 1)
     defect = list(
         one_curve_each(
             runs, points, lambda run: run.telemetry.orthogonality_error, "defect of the rotation"
         )
     )
-    note = f"Frobenius norm of RᵀR − I; 1e-15 is the rounding of doubles. {origin}"
-    drawn = figure(defect, [log_axis("orthogonality error [-]")])
+    note = f"Frobenius norm of RᵀR - I; 1e-15 is the rounding of doubles. {origin}"
+    drawn = over_time(runs, defect, log_axis("orthogonality error [-]"))
     yield Chart("orthogonality", "Orthogonality of the attitude", note, drawn, scale="yaxis")

@@ -56,11 +56,19 @@ class Run:
             if count not in ("0", "") and not topic.endswith(WALL_TIMING):
                 lines.append(f"the recorder counted {count} lost steps on {topic}")
         if self.metrics["missing_steps"]:
-            lines.append(f"{self.metrics['missing_steps']} steps are incomplete: gaps in the curves")
+            lines.append(
+                f"{self.metrics['missing_steps']} steps are incomplete: gaps in the curves"
+            )
         if self.metrics["unconverged_steps"]:
             lines.append(f"{self.metrics['unconverged_steps']} solves did not converge")
         if self.metrics["fallback_steps"]:
             lines.append(f"{self.metrics['fallback_steps']} steps flew on a fallback torque")
+        margins = self.metrics["zone_margin_deg"].items()
+        lines += [
+            f"pointing zone {name} was violated by {-margin:.3g} deg"
+            for name, margin in margins
+            if margin is not None and margin < 0.0
+        ]
         if self.scenario is None:
             lines.append("the scenario is not known: no torque limit, no zones, no cost")
         return lines

@@ -48,6 +48,7 @@ _ROWS: Final = (
     _Row("Largest error of those", "neighboring_error", "N m"),
     _Row("Incomplete steps", "missing_steps"),
 )
+_NOTHING: Final = "-"
 _BADGES: Final = {True: "passed", False: "failed", None: "unknown"}
 
 
@@ -81,7 +82,10 @@ def warnings(runs: Sequence[Run]) -> str:
 
 def verdicts(runs: Sequence[Run]) -> str:
     """Return the verdict of each run's audit in full."""
-    items = [f"<li>{_badge(run)} <b>{_text(run.name)}</b>: {_text(run.verdict.text)}</li>" for run in runs]
+    items = [
+        f"<li>{_badge(run)} <b>{_text(run.name)}</b>: {_text(run.verdict.text)}</li>"
+        for run in runs
+    ]
     return f'<ul class="verdicts">{"".join(items)}</ul>'
 
 
@@ -110,7 +114,9 @@ def _records(run: Run) -> Iterator[str]:
 
 
 def _mapping(title: str, values: Mapping[str, str]) -> str:
-    rows = "".join(f"<tr><th scope=row>{_text(k)}</th><td>{_text(v)}</td></tr>" for k, v in values.items())
+    rows = "".join(
+        f"<tr><th scope=row>{_text(k)}</th><td>{_text(v)}</td></tr>" for k, v in values.items()
+    )
     return f"<h4>{_text(title)}</h4><table class=record><tbody>{rows}</tbody></table>"
 
 
@@ -133,7 +139,7 @@ def _cells(row: _Row, values: Sequence[Any]) -> list[str]:
 
 
 def _number(row: _Row, value: float | None) -> str:
-    return "–" if value is None else f"{row.factor * value:.{row.digits}g}"
+    return _NOTHING if value is None else f"{row.factor * value:.{row.digits}g}"
 
 
 def _difference(row: _Row, value: float | None, first: float | None) -> str:
@@ -147,7 +153,7 @@ def _difference(row: _Row, value: float | None, first: float | None) -> str:
 
 def _method(run: Run) -> str:
     if run.scenario is None:
-        return "–"
+        return _NOTHING
     controller, governor = run.scenario.controller, run.scenario.governor.governor
     parts = [controller.method, f"N = {controller.horizon}"]
     parts += [f"governor {governor}"] if governor != "none" else []
