@@ -92,7 +92,10 @@ def over_time(
     runs: Sequence[Run], traces: Iterable[Trace], *y: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the figure of diagrams over the time of all runs, one for each axis ``y``."""
-    return figure(traces, y, axis("time [s]", range=span(runs)))
+    drawn = figure(traces, y, axis("time [s]", range=span(runs)))
+    if len(runs) > 1:
+        drawn["layout"]["showlegend"] = True  # one curve alone needs its run's name too
+    return drawn
 
 
 def named(runs: Sequence[Run], run: Run, text: str) -> str:

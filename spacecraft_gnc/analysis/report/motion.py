@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -79,7 +80,7 @@ def _attitude(runs: Sequence[Run], points: int) -> Chart:
         drawn = components(
             runs,
             points,
-            lambda run, form=form: forms.values(form, series.attitudes(run.trajectory)),
+            partial(_attitude_values, form),
             form.components,
             form.title.removeprefix("Attitude as ").split(" x,")[0],
             style.Unit(form.unit, 1.0),
@@ -87,6 +88,10 @@ def _attitude(runs: Sequence[Run], points: int) -> Chart:
         note = form.convention + (_gimbal_lock(runs) if form is forms.ROLL_PITCH_YAW else "")
         variants.append(Variant(form.name, form.title.removeprefix("Attitude as "), note, drawn))
     return Chart("attitude", "Attitude", variants=tuple(variants), tall=len(runs) > 1)
+
+
+def _attitude_values(form: forms.Representation, run: Run) -> Array:
+    return forms.values(form, series.attitudes(run.trajectory))
 
 
 def _gimbal_lock(runs: Sequence[Run]) -> str:

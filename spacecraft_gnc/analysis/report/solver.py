@@ -69,8 +69,7 @@ def _residual(runs: Sequence[Run], points: int) -> Chart:
     tolerances = {
         run.scenario.controller.residual_tolerance for run in runs if run.scenario is not None
     }
-    for tolerance in sorted(tolerances):
-        traces.append(limit(span(runs), (tolerance, tolerance), f"tolerance {tolerance:g}"))
+    traces += [limit(span(runs), (t, t), f"tolerance {t:g}") for t in sorted(tolerances)]
     note = "Euclidean norm of the optimality conditions when the solve ended."
     drawn = over_time(runs, traces, log_axis("residual [-]"))
     return Chart("residual", "Residual", note, drawn, scale="yaxis")
