@@ -79,11 +79,12 @@ def plot(
     """Draw the figures of a flight: error, momentum, torque, attitude on the sphere, solver."""
     from spacecraft_gnc.analysis.figures import flight_figures, save_figures
     from spacecraft_gnc.analysis.metrics import summarize
+    from spacecraft_gnc.analysis.run_names import run_name
     from spacecraft_gnc.recording.reader import load_run
 
     flight = load_run(source, allow_unfinished=unfinished)
     known = _scenario(flight, scenario)
-    name = source.stem if source.is_file() else source.resolve().name
+    name = run_name(source)
     heading = name if title is None else title
     figures = flight_figures(flight.trajectory, known, title=heading, error_scale=error_scale.value)
     folder = out if out is not None else Path(f"{name}-figures")

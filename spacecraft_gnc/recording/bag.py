@@ -73,6 +73,11 @@ class Bag:
             with _damage(self.path):
                 yield from scan(file, topics, progress)
 
+    def definition(self, topic: str) -> str:
+        """Return the .msg text of a topic's type as recorded, nested types behind it."""
+        found = next(item for item in self._reader.connections if item.topic == topic)
+        return str(found.msgdef.data)
+
     def type_hash(self, topic: str) -> str:
         """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""
         with _damage(self.path):

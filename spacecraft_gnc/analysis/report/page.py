@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import json
-import os
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from pathlib import Path
@@ -19,7 +18,7 @@ from spacecraft_gnc.analysis.report.record import invariant_charts, source_chart
 from spacecraft_gnc.analysis.report.runs import Run
 from spacecraft_gnc.analysis.report.solver import solver_charts
 from spacecraft_gnc.analysis.report.sphere3d import frames_note, sphere_data
-from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.analysis.whole_file import whole_file
 
 _SCRIPTS: Final = ("report.js", "sphere.js")
 # Nothing may be fetched, whatever a script in the page may ask for. plotly.js compiles the code of
@@ -79,17 +78,8 @@ def write_report(text: str, target: Path) -> None:
     RecordingError
         If the file cannot be written.
     """
-    temporary = target.with_name(f".{target.name}.part")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(target)
-    except OSError as error:
-        if temporary.is_file():
-            temporary.unlink()
-        raise RecordingError(
-            f"{target}: the report cannot be written ({os.strerror(error.errno or 0)}); required a "
-            "writable folder with free space; choose another with -o"
-        ) from error
+    with whole_file(target) as file:
+        file.write_text(text, encoding="utf-8")
 
 
 def _filled(page: str, parts: dict[str, str]) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from spacecraft_gnc.recording.run_info import RunInfo
     from spacecraft_gnc.scenario import Scenario
 
-_BAG_FOLDER = "bag"  # what `gnc launch` calls it: its parent is the name of the run
 _LOSSES = "losses"  # metadata record: steps that the recorder missed, by topic
 
 
@@ -110,21 +108,3 @@ def read_run(
         metrics=summarize(flight.trajectory, known),
         verdict=audit_verdict(flight),
     )
-
-
-def run_name(path: Path) -> str:
-    """Return a short name of the run in a bag or file."""
-    resolved = path.resolve()
-    if resolved.is_dir() and resolved.name == _BAG_FOLDER and resolved.parent.name:
-        return resolved.parent.name
-    return resolved.name if resolved.is_dir() else resolved.stem
-
-
-def run_names(paths: Iterable[Path]) -> list[str]:
-    """Return a name for each run; where short ones would be the same, the paths as given."""
-    paths = list(paths)
-    short = [run_name(path) for path in paths]
-    if len(set(short)) == len(short):
-        return short
-    full = [str(path) for path in paths]
-    return [f"{path} ({i})" if full.count(path) > 1 else path for i, path in enumerate(full, 1)]
