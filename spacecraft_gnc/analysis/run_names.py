@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Final
-
-_BAG_FOLDER: Final = "bag"  # what `gnc launch` calls it: its parent is the name of the run
+from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 
 
 def run_name(path: Path) -> str:
-    """Return a short name of the run in a bag or file."""
-    resolved = path.resolve()
-    if not resolved.is_dir():
-        return resolved.stem
-    if resolved.name == _BAG_FOLDER and resolved.parent.name:
-        return resolved.parent.name
-    return resolved.name
+    """Return the name of a file or folder; of a bag in the folder of a run, that of the run."""
+    if path.is_file():
+        return path.stem
+    folder = path.resolve()
+    is_run = folder.name == BAG_FOLDER and (folder.parent / RUN_SCENARIO).is_file()
+    return folder.parent.name if is_run else folder.name
 
 
 def run_names(paths: Iterable[Path]) -> list[str]:

@@ -33,7 +33,10 @@ class ErrorScale(str, Enum):
 
 SourceArgument = Annotated[
     Path,
-    typer.Argument(metavar="BAG|FILE.npz", help="Bag folder, .mcap file, or .npz of gnc simulate."),
+    typer.Argument(
+        metavar="BAG|FILE.npz",
+        help="Bag, .mcap file, folder of gnc launch, or .npz of gnc simulate.",
+    ),
 ]
 OutOption = Annotated[
     Path | None,

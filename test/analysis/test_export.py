@@ -187,8 +187,8 @@ def test_the_command_names_what_it_wrote(bag, tmp_path, monkeypatch, capsys, kin
     assert run(bag, "--format", kind, "--topics", "torque_command", "--json") == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["topics"] == {"torque_command": STEPS - 1}
-    expected = {f"{bag.parent.name}.{kind}"}
-    expected |= {f"{bag.parent.name}.columns.csv"} if kind == "csv" else set()
+    expected = {f"bag.{kind}"}
+    expected |= {"bag.columns.csv"} if kind == "csv" else set()
     assert {path.name for path in tmp_path.iterdir()} == set(answer["files"]) == expected
 
 

@@ -67,6 +67,8 @@ class Run:
             for name, margin in margins
             if margin is not None and margin < 0.0
         ]
+        if self.verdict.passed is False:
+            lines.append(f"the audit failed: {self.verdict.text}")
         if self.scenario is None:
             lines.append("the scenario is not known: no torque limit, no zones, no cost")
         return lines
@@ -106,5 +108,5 @@ def read_run(
         telemetry=read_telemetry(flight, known, allow_unfinished=allow_unfinished),
         scenario=known,
         metrics=summarize(flight.trajectory, known),
-        verdict=audit_verdict(flight),
+        verdict=audit_verdict(path, allow_unfinished=allow_unfinished),
     )

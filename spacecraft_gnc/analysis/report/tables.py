@@ -49,6 +49,7 @@ _ROWS: Final = (
     _Row("Incomplete steps", "missing_steps"),
 )
 _NOTHING: Final = "-"
+_CHECK_HEADS: Final = ("Check", "Steps", "Worst", "Tolerance", "Verdict")
 _BADGES: Final = {True: "passed", False: "failed", None: "unknown"}
 
 
@@ -81,12 +82,21 @@ def warnings(runs: Sequence[Run]) -> str:
 
 
 def verdicts(runs: Sequence[Run]) -> str:
-    """Return the verdict of each run's audit in full."""
-    items = [
-        f"<li>{_badge(run)} <b>{_text(run.name)}</b>: {_text(run.verdict.text)}</li>"
-        for run in runs
-    ]
-    return f'<ul class="verdicts">{"".join(items)}</ul>'
+    """Return the audit of each run; its table is folded up."""
+    return "".join(_audit(run) for run in runs)
+
+
+def _audit(run: Run) -> str:
+    text = f"{_badge(run)} {_text(run.name)}: <span class=unit>{_text(run.verdict.text)}</span>"
+    if not run.verdict.checks:
+        return f"<p>{text}</p>"
+    heads = "".join(f"<th scope=col>{name}</th>" for name in _CHECK_HEADS)
+    rows = "".join(
+        f"<tr>{''.join(f'<td>{_text(cell)}</td>' for cell in line)}</tr>"
+        for line in run.verdict.checks
+    )
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    return f"<details><summary>{text}</summary><div class=scroll>{table}</div></details>"
 
 
 def scenarios(runs: Sequence[Run]) -> str:
