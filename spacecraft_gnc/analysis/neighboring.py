@@ -40,7 +40,10 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
 
         solver = ShootingSolver(problem_of(scenario))
         largest = math.nan
-        for k in answered:
+        recorded = np.isfinite(trajectory.attitude).all(axis=(1, 2))
+        recorded &= np.isfinite(trajectory.momentum).all(axis=1)
+        recorded &= np.isfinite(trajectory.reference).all(axis=(1, 2))
+        for k in answered[recorded[answered]]:
             exact = solver.solve(
                 trajectory.attitude[k], trajectory.momentum[k], trajectory.reference[k]
             )

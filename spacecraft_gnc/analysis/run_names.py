@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+
 from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 
 

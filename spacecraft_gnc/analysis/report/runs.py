@@ -52,15 +52,16 @@ class Run:
         for topic, count in self.info.metadata.get(_LOSSES, {}).items():
             # The plant sends the wall timing a few times a second only: its gaps are no losses.
             if count not in ("0", "") and not topic.endswith(WALL_TIMING):
-                lines.append(f"the recorder counted {count} lost steps on {topic}")
-        if self.metrics["missing_steps"]:
-            lines.append(
-                f"{self.metrics['missing_steps']} steps are incomplete: gaps in the curves"
-            )
-        if self.metrics["unconverged_steps"]:
-            lines.append(f"{self.metrics['unconverged_steps']} solves did not converge")
-        if self.metrics["fallback_steps"]:
-            lines.append(f"{self.metrics['fallback_steps']} steps flew on a fallback torque")
+                lines.append(f"{topic}: steps lost by the recorder: {count}")
+        counted = {
+            "missing_steps": "steps without a state or a torque (gaps in the curves)",
+            "unconverged_steps": "solves that did not converge",
+            "fallback_steps": "steps flown on a fallback torque",
+            "inadmissible_steps": "steps without an admissible reference",
+        }
+        for key, what in counted.items():
+            if self.metrics[key]:
+                lines.append(f"{what}: {self.metrics[key]}")
         margins = self.metrics["zone_margin_deg"].items()
         lines += [
             f"pointing zone {name} was violated by {-margin:.3g} deg"

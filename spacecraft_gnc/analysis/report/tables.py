@@ -29,6 +29,8 @@ _ROWS: Final = (
     _Row("Error below 0.1° for good from", "settle_time_0.1deg", "s"),
     _Row("Momentum at the end", "final_momentum", "N m s"),
     _Row("Whole way allowed from", "alpha_one_time", "s"),
+    _Row("Error to the last reference", "final_reference_error_deg", "deg"),
+    _Row("Steps without an admissible reference", "inadmissible_steps"),
     _Row("Least governor margin", "min_governor_margin"),
     _Row("Largest torque", "max_torque", "N m", 8),
     _Row("Torque limit", "torque_limit", "N m", 8),
