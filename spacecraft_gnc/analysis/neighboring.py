@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.loop.protocols import Source
 
@@ -40,10 +41,7 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
 
         solver = ShootingSolver(problem_of(scenario))
         largest = math.nan
-        recorded = np.isfinite(trajectory.attitude).all(axis=(1, 2))
-        recorded &= np.isfinite(trajectory.momentum).all(axis=1)
-        recorded &= np.isfinite(trajectory.reference).all(axis=(1, 2))
-        for k in answered[recorded[answered]]:
+        for k in answered[_recorded(trajectory)[answered]]:
             exact = solver.solve(
                 trajectory.attitude[k], trajectory.momentum[k], trajectory.reference[k]
             )
@@ -52,3 +50,10 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
                 largest = np.fmax(largest, off)
         error = float(largest) if math.isfinite(largest) else None
     return {"neighboring_share": share, "neighboring_error": error}
+
+
+def _recorded(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """Tell of the (n,) steps whether what their problem starts from was recorded."""
+    n = trajectory.n_steps
+    given = (trajectory.attitude.reshape(n, 9), trajectory.reference.reshape(n, 9))
+    return np.asarray(np.isfinite(np.hstack([*given, trajectory.momentum])).all(axis=1))

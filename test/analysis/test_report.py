@@ -15,7 +15,7 @@ from analysis.report_pages import NASTY, SCENARIO, bag, flight, page
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report import read_run, report_html
-from spacecraft_gnc.analysis.report.record import stretches
+from spacecraft_gnc.analysis.sources import stretches
 from spacecraft_gnc.cli.main import main
 
 MEGABYTE = 1_000_000
@@ -174,7 +174,7 @@ def test_a_long_run_is_an_envelope_and_says_so(tmp_path):
     assert "every 26th state of long" in seen.text or "every 25th state of long" in seen.text
     norm = seen.chart("torque_norm")["figure"]["data"][0]
     assert numbers(norm["y"]).max() == 0.5  # [N m]
-    zero = [stretch for stretch in stretches(run, 4000) if stretch.source == 4]
+    zero = [stretch for stretch in stretches(run.trajectory, 50) if stretch.source == 4]
     assert len(zero) == 1
     assert zero[0].begin <= 0.4 * 70_005 <= zero[0].end
 

@@ -115,7 +115,12 @@ def _absent(runs: Sequence[Run], name: str) -> str:
 
 def _solve_times(runs: Sequence[Run]) -> Chart:
     known = [_positive(run.trajectory.solve_time) for run in runs]
-    deadlines = {value: text for run in runs for value, text in [_deadline(run)] if value}
+    deadlines = {
+        value: text
+        for run in runs
+        for value, text in [series.solve_deadline(run.scenario)]
+        if value
+    }
     unit = style.prefixed("s", *(values for values in known))
     every = np.concatenate([*known, np.array([*deadlines, *([1e-6] if not deadlines else [])])])
     low, high = math.log10(every.min()), math.log10(every.max())
@@ -158,17 +163,6 @@ def _bars(
 
 def _positive(values: Array) -> Array:
     return np.asarray(values[np.isfinite(values) & (values > 0.0)])
-
-
-def _deadline(run: Run) -> tuple[float, str]:
-    """Return the wall time that a solve may take [s], and its label; 0: not known."""
-    if run.scenario is None:
-        return 0.0, ""
-    period = run.scenario.period
-    if run.scenario.plant.mode == "free_run":
-        deadline = period / run.scenario.plant.real_time_factor
-        return deadline, f"deadline {deadline:g} s"
-    return period, f"control period {period:g} s"
 
 
 def _governor(runs: Sequence[Run], points: int) -> Iterator[Chart]:
