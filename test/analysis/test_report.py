@@ -171,7 +171,7 @@ def test_a_long_run_is_an_envelope_and_says_so(tmp_path):
     assert len(text.encode()) < 10 * MEGABYTE
     seen = Page(text)
     assert "least and the greatest value of each interval" in seen.text
-    assert "every 26th state of long" in seen.text or "every 25th state of long" in seen.text
+    assert "every 34th state of long" in seen.text
     norm = seen.chart("torque_norm")["figure"]["data"][0]
     assert numbers(norm["y"]).max() == 0.5  # [N m]
     zero = [stretch for stretch in stretches(run.trajectory, 50) if stretch.source == 4]
