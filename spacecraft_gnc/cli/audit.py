@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, RunFailed, print_json
-from spacecraft_gnc.cli._progress import stages
+from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -52,13 +53,13 @@ def audit(
         )
     from spacecraft_gnc.analysis.audit.run import audit_bag
 
-    with stages(quiet or as_json) as progress:
+    with show_progress("auditing", silent=quiet) as update:
         found = audit_bag(
             bag,
             tolerance=tolerance,
             namespace=namespace,
             allow_unfinished=unfinished,
-            progress=progress,
+            progress=lambda what: partial(update, what=what),
         )
     if as_json:
         print_json(found.as_dict())

@@ -12,7 +12,6 @@ from typing import IO, Final
 
 from mcap.opcode import Opcode
 
-from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._scan import Progress
 from spacecraft_gnc.recording.recover import MAGIC
 
@@ -30,7 +29,7 @@ def verify(path: Path, progress: Progress | None = None) -> None:
 
     Raises
     ------
-    RecordingError
+    ValueError
         If one differs, or the file does not end where its records do.
     """
     with path.open("rb") as stream:
@@ -55,7 +54,7 @@ def _data_section(stream: IO[bytes], end: int) -> tuple[int, int]:
             if crc:
                 _require("an attachment", zlib.crc32(body[: -_CRC.size]), crc)
         position += _HEAD.size + length
-    raise RecordingError("no end of the data section")
+    raise ValueError("no end of the data section")
 
 
 def _summary(stream: IO[bytes], data_end: int, end: int) -> None:
@@ -65,7 +64,7 @@ def _summary(stream: IO[bytes], data_end: int, end: int) -> None:
     start, _, crc = _FOOTER.unpack(stream.read(_FOOTER.size))
     after_data = data_end + _HEAD.size + _CRC.size
     if (opcode, length) != (Opcode.FOOTER, _FOOTER.size) or start not in (0, after_data):
-        raise RecordingError("the footer is not that of the file")
+        raise ValueError("the footer is not that of the file")
     if crc:
         covered = end + _HEAD.size + _FOOTER.size - _CRC.size
         _require("the summary", _sum(stream, after_data, covered), crc)
@@ -85,6 +84,6 @@ def _sum(stream: IO[bytes], start: int, end: int, progress: Progress | None = No
 
 def _require(what: str, found: int, recorded: int) -> None:
     if found != recorded:
-        raise RecordingError(
+        raise ValueError(
             f"checksum of {what} is {found:08x}, recorded {recorded:08x}: a byte has changed"
         )

@@ -76,6 +76,8 @@ class Certifier:
     zone_rows: Array
     has_set: bool
     """Whether a multiplier of a terminal set is to be found."""
+    has_law: bool = False
+    """Whether a step without a solve is answered by a law, not by the failure ladder."""
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> Certifier | None:
@@ -83,7 +85,9 @@ class Certifier:
         method = scenario.controller.method
         if method in PENALISED:
             ocp = problem_of(scenario)
-            return cls(ocp, ocp.data, ocp.zone_rows, False)
+            along_a_run = not np.isnan(scenario.controller.nominal_rotation_vector).any()
+            has_law = method == "neighboring_extremal" and along_a_run
+            return cls(ocp, ocp.data, ocp.zone_rows, False, has_law)
         if method == HARD:
             return cls._hard(problem_of(scenario))
         if method == TERMINAL:
@@ -108,20 +112,29 @@ class Certifier:
             return np.ascontiguousarray(torques @ ocp.control_axes)
         return np.ascontiguousarray(torques @ ocp.allocation.T @ ocp.control_axes)
 
+    def multipliers(self, plan: Plans) -> tuple[Array, float]:
+        """Return the costates (N, 6) of one plan, and the multiplier of the terminal set."""
+        found, costates = self._certify(plan)
+        return costates, float(found.multiplier[0])
+
     def certify(self, plans: Plans) -> Certificates:
         """Work out what plans are worth."""
-        ocp = self.ocp
+        return self._certify(plans)[0]
+
+    def _certify(self, plans: Plans) -> tuple[Certificates, Array]:
+        """Return the certificates, and the costates (N, 6) of the last plan."""
+        ocp, swept = self.ocp, np.empty((2, self.ocp.horizon, 6))
         m, n = len(plans.torques), ocp.horizon
         numbers, costates = np.empty((m, kernels.NUMBERS)), plans.costates.copy()
         back = np.ascontiguousarray(np.linalg.pinv(ocp.torque_map @ ocp.control_axes))
         kernels.certify(
             ocp.body.packed, self.data, self.zone_rows, plans.references, plans.attitudes,
             plans.momenta, plans.torques, self.controls(plans.torques), costates, back,
-            self.has_set, np.empty((2, n, 6)), np.zeros((n, work_size(ocp.n_controls))),
+            self.has_set, swept, np.zeros((n, work_size(ocp.n_controls))),
             np.zeros((n, FACTOR_SIZE)), np.empty(27), np.empty(ocp.data.shape), numbers,
         )  # fmt: skip
         at = numbers.T
-        return Certificates(
+        found = Certificates(
             at[kernels.STATUS] == 0.0,
             at[kernels.ATTITUDE_DEFECT],
             at[kernels.MOMENTUM_DEFECT],
@@ -134,3 +147,4 @@ class Certifier:
             at[kernels.MULTIPLIER],
             costates,
         )
+        return found, swept[0]

@@ -5,16 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
+
+import numpy as np
 
 from spacecraft_gnc.analysis.audit.evidence import Evidence, Progress, read_evidence
 from spacecraft_gnc.analysis.audit.ledger import Check, Difference, Ledger
 from spacecraft_gnc.analysis.audit.motion import audit_motion
 from spacecraft_gnc.analysis.audit.order import audit_order
 from spacecraft_gnc.analysis.audit.plans import Certifier
+from spacecraft_gnc.analysis.audit.references import audit_references
+from spacecraft_gnc.analysis.audit.rungs import LAW, NO_SOLVE, audit_law
 from spacecraft_gnc.analysis.audit.solver import SolverAudit
 from spacecraft_gnc.analysis.audit.torques import audit_torques, held_steps
 from spacecraft_gnc.recording.bag import open_bag
+from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
+
+FEEDBACK: Final = "feedback"
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,17 +103,33 @@ def audit_bag(
         audit_order(evidence, ledger, held, allow_unfinished)
         plant = evidence.scenario.build_plant()
         audit_motion(evidence, plant, ledger, tolerance, watch("integrating"))
-        audit_torques(evidence, held, ledger)
+        audit_references(evidence, ledger, watch("following the reference"))
         _audit_solves(evidence, ledger, watch("certifying"))
+        audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
     return Audit(Path(path), evidence.n, tuple(ledger.checks.values()), ledger.first)
 
 
 def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None) -> None:
-    certifier = Certifier.from_scenario(evidence.scenario)
-    if certifier is None:
-        method = evidence.scenario.controller.method
-        ledger.skip("plans of the solver", f"method {method} makes none that can be certified")
+    """Certify plans, and have the laws that make none give their commands once more."""
+    scenario = evidence.scenario
+    certifier, method = Certifier.from_scenario(scenario), scenario.controller.method
+    if not evidence.columns[SOLVER_STATUS].steps.size:
+        ledger.skip("plans of the solver", "solver_status was not recorded")
         return
-    solver = SolverAudit(evidence, certifier, ledger)
-    for block in evidence.solves(progress):
-        solver.audit(block)
+    if certifier is not None:
+        solver = SolverAudit(evidence, certifier, ledger)
+        for block in evidence.solves(progress):
+            solver.audit(block)
+    else:
+        ledger.skip("plans of the solver", f"method {method} makes none that is known here")
+    if method != FEEDBACK and (certifier is None or not certifier.has_law):
+        if certifier is None:
+            ledger.skip(LAW, f"method {method} is a plug-in's, which may remember its past")
+        return
+    solves = evidence.columns[SOLVER_STATUS]
+    steps = solves.steps[(solves.fields["status"] == NO_SOLVE) & (solves.steps < evidence.n)]
+    for topic in (STATE, REFERENCE, TORQUE):
+        steps = np.intersect1d(steps, evidence.columns[topic].steps)
+    controller = scenario.build_controller()
+    controller.warm_up()
+    audit_law(evidence, controller, steps, ledger)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc.analysis.audit.evidence import Evidence
 from spacecraft_gnc.analysis.audit.ledger import Ledger
 from spacecraft_gnc.analysis.audit.plans import HARD, Certificates, Certifier, Plans
+from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, LadderAudit, StandstillAudit
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.solution import Status
@@ -35,6 +36,8 @@ CONDITIONS: Final = {
 Single shooting and fsolve publish that of (44), forward; it is compared with the gradient's."""
 CUT: Final = 1e-6
 """Share of the torque limit by which a neighbouring extremal's first torque may be cut to it."""
+CUT_COST: Final = 1e-8
+"""Share of the cost that this cut may change."""
 FORWARD_RUN: Final = ("single_shooting", "fsolve")
 FORWARD: Final = 1e-6
 """Share of the largest first costate that those differ, which they find by a forward run."""
@@ -61,6 +64,8 @@ class SolverAudit:
         self._evidence = evidence
         self._certifier = certifier
         self._ledger = ledger
+        self._ladder = LadderAudit(evidence, certifier, ledger)
+        self._standstill = StandstillAudit(evidence, certifier, ledger)
 
     def audit(self, block: Columns) -> None:
         """Audit a block of solver messages."""
@@ -71,9 +76,12 @@ class SolverAudit:
         rows = {name: values[solved] for name, values in block.fields.items()}
         whole = self._whole(steps, rows)
         steps, rows = steps[whole], {name: values[whole] for name, values in rows.items()}
-        if not steps.size:
-            return
         plans = self._plans(steps, rows)
+        self._ladder.audit(self._fallbacks(block, solved), steps, plans, rows)
+        if not steps.size:
+            self._ledger.skip("plan starts at the state", "no solve converged")
+            return
+        self._standstill.audit(steps, plans, rows)
         found = self._certifier.certify(plans)
         for formulation in dict.fromkeys(rows["formulation"]):
             chosen = rows["formulation"] == formulation
@@ -84,6 +92,16 @@ class SolverAudit:
                 Plans(*(values[chosen] for values in plans)),
                 Certificates(*(values[chosen] for values in found)),
             )
+
+    def _fallbacks(self, block: Columns, solved: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Return the steps that the ladder answered: not those that a law answers by itself."""
+        failed = ~solved & (block.steps < self._evidence.n)
+        if self._certifier.has_law:
+            failed &= block.fields["status"] != NO_SOLVE
+        steps = block.steps[failed]
+        for topic in (STATE, REFERENCE, TORQUE):
+            steps = np.intersect1d(steps, self._evidence.columns[topic].steps)
+        return steps
 
     def _sources(self, block: Columns, solved: NDArray[np.bool_]) -> None:
         """Require that a converged solve flies, and that only such a one is called optimal."""
@@ -190,6 +208,10 @@ class SolverAudit:
         else:
             free = np.ones(len(steps), dtype=bool)
         off = found.residual - rows["residual"]
+        if formulation == NEIGHBORING and ocp.max_torque > 0.0:
+            # along a torque on the limit its multipliers are off by what no recorded number tells
+            on_limit = found.largest >= ocp.max_torque * (1.0 - CUT)
+            off = np.where(on_limit, np.maximum(off, 0.0), off)
         ledger.bound(name, steps[free], "solver_status.residual", off[free], share * size)
         name = "|u| where the limit acts"
         if ocp.max_torque == 0.0:
@@ -210,7 +232,8 @@ class SolverAudit:
         share = FORWARD if formulation in FORWARD_RUN else ROUNDING
         off = found.cost - rows["cost"]
         scale = max(float(np.abs(found.cost).max()), 1e-300)
-        bound("cost", steps, "solver_status.cost", off, 10.0 * ROUNDING * scale)
+        limit = (CUT_COST if formulation == NEIGHBORING else 10.0 * ROUNDING) * scale
+        bound("cost", steps, "solver_status.cost", off, limit)
         claimed = rows["first_costate"]
         size = max(float(np.abs(claimed).max()), 1e-300)
         off = found.costates - claimed
