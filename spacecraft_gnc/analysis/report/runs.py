@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
-from spacecraft_gnc.analysis.verdict import Verdict, audit_verdict
+from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
 from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.recording.steps import WALL_TIMING
 
@@ -81,6 +81,7 @@ def read_run(
     scenario: Scenario | None = None,
     *,
     allow_unfinished: bool = False,
+    progress: Watch | None = None,
 ) -> Run:
     """Read a run, and audit it.
 
@@ -94,6 +95,8 @@ def read_run(
         Used where the recording does not hold its own.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
+    progress
+        Returns, for the name of a part of the work, what is called with its progress.
 
     Raises
     ------
@@ -109,5 +112,5 @@ def read_run(
         telemetry=read_telemetry(flight, known, allow_unfinished=allow_unfinished),
         scenario=known,
         metrics=summarize(flight.trajectory, known),
-        verdict=audit_verdict(path, allow_unfinished=allow_unfinished),
+        verdict=audit_verdict(path, allow_unfinished=allow_unfinished, progress=progress),
     )

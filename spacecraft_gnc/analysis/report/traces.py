@@ -119,7 +119,7 @@ def figure(
     legend = _LEGEND_LINE * max(0, shown - _LEGEND_ENTRIES)
     layout: dict[str, Any] = {
         "height": _HEIGHT + legend if rows == 1 else _TALL,
-        "margin": {"l": 64, "r": 14, "t": 52, "b": 46},
+        "margin": {"l": 64, "r": 14, "t": 46 if shown > 1 else 30, "b": 46},
         "font": {"family": "system-ui, sans-serif", "size": 12, "color": style.INK},
         "paper_bgcolor": "#FFFFFF",
         "plot_bgcolor": "#FFFFFF",
