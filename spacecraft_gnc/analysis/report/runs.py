@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
 from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
@@ -62,6 +64,9 @@ class Run:
         for key, what in counted.items():
             if self.metrics[key]:
                 lines.append(f"{what}: {self.metrics[key]}")
+        late = int(np.count_nonzero(self.telemetry.deadline_slack < 0.0))
+        if late:
+            lines.append(f"solves that ended after their deadline: {late}")
         margins = self.metrics["zone_margin_deg"].items()
         lines += [
             f"pointing zone {name} was violated by {-margin:.3g} deg"

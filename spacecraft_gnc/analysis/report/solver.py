@@ -33,6 +33,7 @@ def solver_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
         yield _iterations(runs, points)
         yield _residual(runs, points)
         yield _solve_times(runs)
+    yield from _slack(runs, points)
     yield from _curvature(runs, points)
     yield from _radius(runs, points)
     yield from _governor(runs, points)
@@ -73,6 +74,21 @@ def _residual(runs: Sequence[Run], points: int) -> Chart:
     note = "Euclidean norm of the optimality conditions when the solve ended."
     drawn = over_time(runs, traces, log_axis("residual [-]"))
     return Chart("residual", "Residual", note, drawn, scale="yaxis")
+
+
+def _slack(runs: Sequence[Run], points: int) -> Iterator[Chart]:
+    known = [run.telemetry.deadline_slack for run in runs]
+    unit = style.prefixed("s", *known)
+    traces = list(
+        one_curve_each(
+            runs, points, lambda run: unit.factor * run.telemetry.deadline_slack, "slack", **HELD
+        )
+    )
+    if traces:
+        traces.append(limit(span(runs), (0.0, 0.0), "deadline"))
+        note = "Wall time left when the solve ended; negative: the deadline was missed."
+        y = axis(f"slack [{unit.label}]")
+        yield Chart("slack", "Deadline slack", note, over_time(runs, traces, y))
 
 
 def _curvature(runs: Sequence[Run], points: int) -> Iterator[Chart]:
