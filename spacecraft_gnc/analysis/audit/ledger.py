@@ -130,7 +130,7 @@ class Ledger:
     ) -> None:
         """Compare fields (m, ...) of steps (m,): bit for bit, or to an absolute tolerance."""
         line = self.check(name, BITS) if tolerance is None else self._bounded(name, tolerance, unit)
-        for where, values in recorded.items():
+        for where, values in recorded.items() if len(steps) else ():
             off, wrong = _deviation(values, expected[where], tolerance)
             self._enter(line, steps, where, off, wrong)
 
@@ -145,6 +145,8 @@ class Ledger:
     ) -> None:
         """Require deviations (m,) or (m, n) of steps (m,) to keep a bound; NaN keeps none."""
         line = self._bounded(name, tolerance, unit)
+        if not len(steps):
+            return
         off = np.abs(deviation).reshape(len(steps), -1)
         wrong = ~(off <= np.asarray(tolerance).reshape(-1, 1))
         self._enter(line, steps, where, off, wrong)
