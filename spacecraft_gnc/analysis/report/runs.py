@@ -50,7 +50,7 @@ class Run:
 
     def warnings(self) -> list[str]:
         """Return what a reader should know before trusting the curves, one line each."""
-        lines = self.info.warnings()
+        lines = [line.removeprefix(f"{self.info.path}: ") for line in self.info.warnings()]
         for topic, count in self.info.metadata.get(_LOSSES, {}).items():
             # The plant sends the wall timing a few times a second only: its gaps are no losses.
             if count not in ("0", "") and not topic.endswith(WALL_TIMING):
