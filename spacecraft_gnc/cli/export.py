@@ -71,7 +71,7 @@ def export(
         found = read_export(bag, topics or (), allow_unfinished=unfinished, progress=progress)
         progress(0, 1, "writing")
         files = write_export(found, target, kind.value, progress)
-    if found.left_out:
+    if found.left_out and not quiet:
         names = ", ".join(found.left_out)
         print(f"note: left out, for they carry no control step: {names}", file=sys.stderr)
     _tell(found, files, as_json=as_json, quiet=quiet)
