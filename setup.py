@@ -18,7 +18,11 @@ setup(
     maintainer_email=MANIFEST.find("maintainer").get("email"),
     license="Apache-2.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed"], f"{NAME}.nodes": ["*.xml"]},
+    package_data={
+        NAME: ["py.typed"],
+        f"{NAME}.analysis.report": ["*.css", "*.html", "*.js"],
+        f"{NAME}.nodes": ["*.xml"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),

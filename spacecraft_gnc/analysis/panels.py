@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 TIME_LABEL: Final = "time [s]"
 _COMPONENTS = "xyz"
 _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale hides the median
-_ZONE_COLOURS = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
 
 
 def attitude_error(
@@ -75,7 +74,7 @@ def attitude_error(
         if axes.get_yscale() == "log":
             _label_settling(axes, time, threshold)
     if governed:
-        _legend(axes, 2)
+        legend(axes, 2)
     if axes.get_yscale() != "log":  # the labels of small thresholds would lie on each other
         lines = [_settling_text(threshold, time) for threshold, time in settled.items()]
         axes.text(0.98, 0.95, "\n".join(lines), transform=axes.transAxes, ha="right", va="top")
@@ -111,7 +110,7 @@ def momentum(axes: Axes, trajectory: Trajectory) -> None:
         ylabel=f"momentum [{unit.label}]",
     )
     axes.set_xlim(times[0], times[-1])
-    _legend(axes, 3)
+    legend(axes, 3)
 
 
 def torque_components(axes: Axes, trajectory: Trajectory) -> None:
@@ -124,7 +123,7 @@ def torque_components(axes: Axes, trajectory: Trajectory) -> None:
         )
     axes.set(title="Torque, body frame", xlabel=TIME_LABEL, ylabel=f"torque [{unit.label}]")
     axes.set_xlim(times[0], times[-1])
-    _legend(axes, 3)
+    legend(axes, 3)
 
 
 def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) -> None:
@@ -141,7 +140,7 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
         )
     axes.set_ylim(bottom=0.0)
     axes.margins(y=0.08)
-    _legend(axes, 2)
+    legend(axes, 2)
 
 
 def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) -> None:
@@ -163,7 +162,7 @@ def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) 
             *_held(trajectory, left / whole), where="post", color=style.INK, linewidth=1.0,
             linestyle=style.AXIS_STYLES[1], label=label,
         )  # fmt: skip
-        _legend(axes, 2)
+        legend(axes, 2)
 
 
 def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters, ...]) -> None:
@@ -175,7 +174,7 @@ def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters
     axes.axhline(0.0, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--", label="border")
     axes.set(title="Pointing-zone margin", xlabel=TIME_LABEL, ylabel="angle to border [deg]")
     axes.set_xlim(times[0], times[-1])
-    _legend(axes, 3)
+    legend(axes, 3)
 
 
 def iterations(axes: Axes, trajectory: Trajectory) -> None:
@@ -193,7 +192,7 @@ def iterations(axes: Axes, trajectory: Trajectory) -> None:
             color=style.LIMIT_COLOUR,
             label="not converged",
         )
-        _legend(axes, 1)
+        legend(axes, 1)
     axes.set(title="Solver iterations", xlabel=TIME_LABEL, ylabel="iterations [-]")
     axes.set_xlim(time[0], series.state_times(trajectory)[-1])
     axes.set_ylim(0.0, max(int(count.max(initial=0)), 1) + 0.5)
@@ -230,7 +229,7 @@ def attitude_sphere(
     for zone in zones:
         axis = zone.inertial_axis / np.linalg.norm(zone.inertial_axis)
         half_angle = math.radians(zone.half_angle_deg)
-        sphere.draw_cap(axes, view, axis, half_angle, color=_ZONE_COLOURS[zone.kind])
+        sphere.draw_cap(axes, view, axis, half_angle, color=style.ZONE_COLOURS[zone.kind])
     attitudes = series.attitudes(trajectory)
     known = attitudes[np.isfinite(attitudes).all(axis=(1, 2))]
     for i, color in enumerate(style.AXIS_COLOURS):
@@ -251,7 +250,9 @@ def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:
         Line2D([], [], color=style.INK, linestyle=(0, (3.5, 2.0)), label="start"),
         Line2D([], [], color=style.INK, label="end"),
     ]
-    for kind, color in ((kind, _ZONE_COLOURS[kind]) for kind in sorted({z.kind for z in zones})):
+    for kind, color in (
+        (kind, style.ZONE_COLOURS[kind]) for kind in sorted({z.kind for z in zones})
+    ):
         patch = Line2D([], [], color=color, linewidth=6, alpha=0.5, label=f"{kind} zone")
         meaning.append(patch)
     # A legend is filled column by column: pair the two rows, blanks where one is shorter.
@@ -274,7 +275,7 @@ def _component(index: int) -> dict[str, Any]:
     return {"color": style.AXIS_COLOURS[index], "linestyle": style.AXIS_STYLES[index]}
 
 
-def _legend(axes: Axes, columns: int) -> None:
+def legend(axes: Axes, columns: int, **options: Any) -> None:
     """Put the legend above the diagram, right of its title, where no data can lie."""
     axes.legend(
         loc="lower right",
@@ -283,4 +284,5 @@ def _legend(axes: Axes, columns: int) -> None:
         borderaxespad=0.25,
         handlelength=2.2,
         columnspacing=1.2,
+        **options,
     )

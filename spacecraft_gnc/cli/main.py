@@ -38,6 +38,10 @@ COMMANDS: Final = {
     "check": _Command(
         f"{_PACKAGE}.check:check", "Check a scenario file; list every problem at once."
     ),
+    "report": _Command(
+        f"{_PACKAGE}.report:report", "Write one HTML page about a flight, or several side by side."
+    ),
+    "export": _Command(f"{_PACKAGE}.export:export", "Write a bag as CSV, Parquet, NPZ or MAT."),
     "plot": _Command(f"{_PACKAGE}.plot:plot", "Draw the figures of a flight."),
     "inspect": _Command(
         f"{_PACKAGE}.inspect:inspect", "Look into a running graph: nodes, topics, messages, rates."

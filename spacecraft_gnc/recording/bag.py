@@ -75,6 +75,11 @@ class Bag:
             with _damage(self.path):
                 yield from scan(file, topics, progress)
 
+    def definition(self, topic: str) -> str:
+        """Return the .msg text of a topic's type as recorded, nested types behind it."""
+        found = next(item for item in self._reader.connections if item.topic == topic)
+        return str(found.msgdef.data)
+
     def verify(self, progress: Progress | None = None) -> None:
         """Compare every checksum in the files with what they hold.
 
