@@ -1,0 +1,1 @@
+"""Hashes of the message types that this version reads and writes (REP-2011, ``RIHS01``)."""
