@@ -1,4 +1,4 @@
-"""Every recorded step solved again: what would another controller have commanded there?
+"""Every recorded step solved again, by the same controller or by another one.
 
 The controller is given the recorded state and reference of each step, so it never flies away from
 the recording: differences of the torques are differences of the controllers alone.
@@ -148,9 +148,7 @@ def _recorded(flight: Trajectory, k: int) -> tuple[State, GovernorDecision]:
     return state, GovernorDecision(reference, alpha, True, margin, "", 0)
 
 
-def _pricing(
-    recorded: Scenario, revised: Scenario
-) -> Callable[[Solution | None, State], float]:
+def _pricing(recorded: Scenario, revised: Scenario) -> Callable[[Solution | None, State], float]:
     """Return the cost of a solution's plan from a state, by the recorded problem."""
     if _same_problem(recorded, revised):
         return lambda solution, _: math.nan if solution is None else solution.cost

@@ -134,9 +134,7 @@ def _torques(axes: Axes, resolved: Resolved, names: tuple[str, str]) -> None:
         label = f"$u_{component}$"
         wide = {"where": "post", "color": color, "linewidth": 3.2, "alpha": 0.35}
         axes.step(old.time, unit.factor * old.torque[:, i], **wide)
-        axes.step(
-            new.time, unit.factor * new.torque[:, i], where="post", color=color, label=label
-        )
+        axes.step(new.time, unit.factor * new.torque[:, i], where="post", color=color, label=label)
     axes.set(
         title=f"Torque, body frame: {names[0]} as flown (wide), {names[1]} (thin)",
         ylabel=f"torque [{unit.label}]",
@@ -163,7 +161,9 @@ def _solver(axes: Axes, resolved: Resolved, names: tuple[str, str], what: str) -
     sides = (resolved.recorded, resolved.replayed)
     values = [np.asarray(getattr(side, what), dtype=np.float64) for side in sides]
     unit = style.prefixed("s", *values) if what == "solve_time" else style.Unit("", 1.0)
-    solved = [np.where(side.status >= 0, v, math.nan) for side, v in zip(sides, values, strict=True)]
+    solved = [
+        np.where(side.status >= 0, v, math.nan) for side, v in zip(sides, values, strict=True)
+    ]
     drawn = zip(solved, names, ("o", "."), (style.MUTED, style.AXIS_COLOURS[0]), strict=True)
     for numbers, name, marker, color in drawn:
         if np.isfinite(numbers).any():

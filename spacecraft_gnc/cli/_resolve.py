@@ -20,7 +20,7 @@ _STEPS: Final = re.compile(r"(\d*):(\d*)")
 _CONTROLLER: Final = "nmpc_controller"
 
 
-class Wish(NamedTuple):
+class Solving(NamedTuple):
     """What the user asks of another controller."""
 
     source: Path
@@ -35,7 +35,7 @@ class Wish(NamedTuple):
     quiet: bool
 
 
-def solve_again(wish: Wish) -> None:
+def solve_again(wish: Solving) -> None:
     """Compare a recorded flight with what another controller would have commanded.
 
     Raises
@@ -66,7 +66,9 @@ def solve_again(wish: Wish) -> None:
     if same and _must_repeat(wish, flight, recorded, resolved):
         check = "exact" if resolved.first_difference is None else "differs"
     numbers = compare(resolved, recorded, revised) | {"check": check}
-    files = [] if wish.out is None else _write(wish, resolved, recorded, revised)
+    files: list[Path] = []
+    if wish.out is not None:
+        files = _draw(wish.source, wish.out, resolved, (recorded, revised))
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
     if wish.as_json:
@@ -113,24 +115,25 @@ def _steps(text: str | None, n_steps: int) -> tuple[int, int]:
     return int(match[1] or 0), int(match[2] or n_steps)
 
 
-def _must_repeat(wish: Wish, flight: Flight, recorded: Scenario, resolved: Resolved) -> bool:
+def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Resolved) -> bool:
     """Tell whether a controller has to command again what it did: the same past, step by step."""
     disturbed = flight.info.missing or flight.info.overridden
     whole_past = resolved.steps[0] == 0 and not wish.cold
     return whole_past and not disturbed and recorded.plant.mode == "lockstep"
 
 
-def _write(wish: Wish, resolved: Resolved, recorded: Scenario, revised: Scenario) -> list[Path]:
+def _draw(
+    source: Path, folder: Path, resolved: Resolved, scenarios: tuple[Scenario, Scenario]
+) -> list[Path]:
     from spacecraft_gnc.analysis.figures import save_figures
     from spacecraft_gnc.analysis.resolve_report import figure
 
-    names = (recorded.controller.method, revised.controller.method)
-    drawn = figure(resolved, names, wish.source.resolve().name)
-    assert wish.out is not None
-    return save_figures([("replay", drawn)], wish.out, ("png", "svg"))
+    recorded, revised = (scenario.controller.method for scenario in scenarios)
+    drawn = figure(resolved, (recorded, revised), source.resolve().name)
+    return save_figures([("replay", drawn)], folder, ("png", "svg"))
 
 
-def _print(wish: Wish, flight: Flight, m: dict[str, Any], unread: tuple[str, ...]) -> None:
+def _print(wish: Solving, flight: Flight, m: dict[str, Any], unread: tuple[str, ...]) -> None:
     """Print the table."""
     period = flight.trajectory.period
     history = "each from a cold start" if wish.cold else "warm along the flight"
