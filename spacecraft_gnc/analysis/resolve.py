@@ -127,11 +127,9 @@ def _complete(flight: Trajectory, first: int, end: int) -> NDArray[np.int64]:
             f"--steps: received {first}:{end}; required A:B with 0 <= A < B <= {n}, the number of "
             f"steps of the flight; give for example 0:{n}"
         )
-    numbers = np.hstack(
-        [flight.attitude.reshape(n, 9), flight.reference.reshape(n, 9), flight.momentum]
-    )
-    known = np.isfinite(numbers).all(axis=1) & np.isfinite(flight.torque).all(axis=1)
-    steps = first + np.flatnonzero(known[first:end])
+    rows = (flight.attitude, flight.reference, flight.momentum, flight.torque)
+    numbers = np.hstack([array[first:end].reshape(end - first, -1) for array in rows])
+    steps = first + np.flatnonzero(np.isfinite(numbers).all(axis=1))
     if not steps.size:
         raise ParameterError(
             f"--steps: received {first}:{end}, in which every step lacks a state, a reference or a "

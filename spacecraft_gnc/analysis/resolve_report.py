@@ -132,9 +132,16 @@ def _torques(axes: Axes, resolved: Resolved, names: tuple[str, str]) -> None:
     for i, component in enumerate("xyz"):
         color = style.AXIS_COLOURS[i]
         label = f"$u_{component}$"
-        wide = {"where": "post", "color": color, "linewidth": 3.2, "alpha": 0.35}
-        axes.step(old.time, unit.factor * old.torque[:, i], **wide)
-        axes.step(new.time, unit.factor * new.torque[:, i], where="post", color=color, label=label)
+        for side, width, alpha in ((old, 3.2, 0.35), (new, 1.2, 1.0)):
+            axes.step(
+                side.time,
+                unit.factor * side.torque[:, i],
+                where="post",
+                color=color,
+                linewidth=width,
+                alpha=alpha,
+                label=label if side is new else None,
+            )
     axes.set(
         title=f"Torque, body frame: {names[0]} as flown (wide), {names[1]} (thin)",
         ylabel=f"torque [{unit.label}]",
@@ -149,8 +156,8 @@ def _difference(axes: Axes, resolved: Resolved) -> None:
     if not values.any():
         axes.set_ylim(0.0, 1.0)
         axes.set_yticks([0.0])
-        text = {"transform": axes.transAxes, "ha": "center", "va": "center"}
-        axes.text(0.5, 0.5, "zero in every step, bit for bit", **text)
+        text = "zero in every step, bit for bit"
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
     positive = np.where(values > 0.0, values, math.nan)  # zero has no place on this scale
     if np.isfinite(positive).any():
         axes.set_yscale("log")
