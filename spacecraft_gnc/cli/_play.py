@@ -47,6 +47,11 @@ def play(wish: Playing) -> None:
     from spacecraft_gnc.recording.playback import Playback
 
     rate = parse_rate(wish.rate)
+    if not 0.0 <= wish.patience < float("inf"):
+        raise ParameterError(
+            f"--patience: received {wish.patience:g} s; required a finite number >= 0; give for example "
+            "2.0"
+        )
     if wish.source.suffix == ".npz" and wish.source.is_file():
         raise RecordingError(
             f"{wish.source}: received arrays of gnc simulate; required a bag, whose messages are "
