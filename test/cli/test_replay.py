@@ -75,7 +75,7 @@ def test_a_torque_that_the_controller_did_not_command_is_found(flown, tmp_path, 
 
 
 def test_in_free_run_nothing_has_to_repeat(flown, tmp_path, capsys):
-    scenario, flight = flown
+    _, flight = flown
     torque = flight.torque + 1e-6
     free = load(CASE1, SHORT | {"plant.mode": "free_run"})
     bag = record(tmp_path / "bag", flight_messages(replace(flight, torque=torque)), free.to_yaml())
@@ -125,7 +125,7 @@ def test_a_bag_without_a_scenario_is_refused(flown, tmp_path, capsys):
 
 
 def test_what_the_method_does_not_read_is_named(flown, tmp_path, capsys):
-    scenario, flight = flown
+    _, flight = flown
     estimated = load(CASE1, SHORT | {"nmpc_controller.variant": "estimated_du"})
     bag = record(tmp_path / "bag", flight_messages(flight), estimated.to_yaml())
     assert run(bag, "--method", "feedback") == 0
