@@ -46,6 +46,9 @@ COMMANDS: Final = {
     "inspect": _Command(
         f"{_PACKAGE}.inspect:inspect", "Look into a running graph: nodes, topics, messages, rates."
     ),
+    "audit": _Command(
+        f"{_PACKAGE}.audit:audit", "Integrate a bag again and certify every command afresh."
+    ),
     "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
     "bench": _Command(f"{_PACKAGE}.bench:bench", "Measure how fast this machine flies."),
     "reproduce": _Command(

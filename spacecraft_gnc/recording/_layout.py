@@ -20,7 +20,7 @@ from spacecraft_gnc.errors import RecordingError
 
 _ENCAPSULATION: Final = 4  # bytes before the payload; alignment counts from their end
 _SLACK: Final = 7  # bytes of padding that a middleware may leave at the end
-_LENGTH: Final = np.dtype("u4")  # of a string or a sequence
+_LENGTH: Final = "u4"  # of a string or a sequence
 _TEXT: Final = "string"
 _CODES: Final = {
     "bool": "?",
@@ -93,7 +93,7 @@ class _Layout:
             self._add(name, element, (payload[1] if kind == Nodetype.ARRAY else self._length(),))
 
     def _length(self) -> int:
-        place = self._place(_LENGTH.newbyteorder(self.order), ())
+        place = self._place(np.dtype(self.order + _LENGTH), ())
         value = int(np.frombuffer(self.data, place.dtype, 1, place.offset)[0])
         self.lengths.append((place.offset, value))
         return value
@@ -165,7 +165,7 @@ def _decode_equal(
             )
         alike = np.ones(left.size, dtype=bool)
         for offset, value in layout.lengths:
-            place = _Place(offset, _LENGTH.newbyteorder(order), ())
+            place = _Place(offset, np.dtype(order + _LENGTH), ())
             alike &= _view(joined, size, len(rows), place)[left] == value
         chosen, left = left[alike], left[~alike]
         fields = {

@@ -39,8 +39,8 @@ def scan(
         for opcode, length in _records(stream):
             if opcode == Opcode.CHUNK:
                 chunk = Chunk.read(ReadDataStream(stream))
-                data, length = get_chunk_data_stream(chunk, validate_crc=True)
-                yield from _messages(data.read(length), topics, channels)
+                data, size_of_data = get_chunk_data_stream(chunk, validate_crc=True)
+                yield from _messages(data.read(size_of_data), topics, channels)
             elif opcode in (Opcode.CHANNEL, Opcode.MESSAGE):
                 record = _RECORD_HEAD.pack(opcode, length) + stream.read(length)
                 yield from _messages(record, topics, channels)

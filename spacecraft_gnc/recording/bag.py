@@ -12,9 +12,11 @@ from mcap.reader import McapReader, make_reader
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording import BAG_FOLDER
 from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._metadata import METADATA_NAME
 from spacecraft_gnc.recording._scan import Progress, scan
+from spacecraft_gnc.recording._verify import verify
 from spacecraft_gnc.recording.qos import QosProfile
 from spacecraft_gnc.recording.recover import MAGIC, rewrite
 
@@ -53,12 +55,8 @@ class Bag:
         RecordingError
             If the file is damaged.
         """
-        chosen = [item for item in self._reader.connections if item.topic in topics]
-        if not chosen:  # an empty filter would mean every topic
-            return
-        with _damage(self.path):
-            for connection, _, data in self._reader.messages(connections=chosen):
-                yield connection.topic, data
+        for _, topic, data in self.timed(topics):
+            yield topic, data
 
     def recorded(
         self, topics: Collection[str], progress: Progress | None = None
@@ -74,6 +72,23 @@ class Bag:
             with _damage(self.path):
                 yield from scan(file, topics, progress)
 
+    def definition(self, topic: str) -> str:
+        """Return the .msg text of a topic's type as recorded, nested types behind it."""
+        found = next(item for item in self._reader.connections if item.topic == topic)
+        return str(found.msgdef.data)
+
+    def verify(self, progress: Progress | None = None) -> None:
+        """Compare every checksum in the files with what they hold.
+
+        Raises
+        ------
+        RecordingError
+            If a byte has changed since the bag was recorded.
+        """
+        for file in self._files:
+            with _damage(self.path):
+                verify(file, progress)
+
     def timed(self, topics: Collection[str], from_ns: int = 0) -> Iterator[tuple[int, str, bytes]]:
         """Yield (log time [ns], topic, serialized message) in their order, from a log time on.
 
@@ -83,7 +98,7 @@ class Bag:
             If the file is damaged.
         """
         chosen = [item for item in self._reader.connections if item.topic in topics]
-        if not chosen:
+        if not chosen:  # an empty filter would mean every topic
             return
         with _damage(self.path):
             for connection, stamp, data in self._reader.messages(chosen, start=from_ns):
@@ -101,11 +116,6 @@ class Bag:
             if connection.topic == topic:
                 found += getattr(connection.ext, "offered_qos_profiles", [])
         return [_profile(qos) for qos in found]
-
-    def definition(self, topic: str) -> str:
-        """Return the recorded text of a topic's message definition; empty where there is none."""
-        texts = (c.msgdef.data for c in self._reader.connections if c.topic == topic)
-        return next(texts, "")
 
     def type_hash(self, topic: str) -> str:
         """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""
@@ -168,7 +178,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     Parameters
     ----------
     path
-        Bag folder or .mcap file.
+        Bag folder or .mcap file, or the folder of a run of ``gnc launch`` with a bag in it.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
 
@@ -177,7 +187,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     RecordingError
         If there is no bag, or it is empty, cut off, damaged or not of ROS 2.
     """
-    path = Path(path)
+    path = _bag_in(Path(path))
     with ExitStack() as stack:
         files = _storage_files(path)
         unfinished = _is_unfinished(path, files)
@@ -195,6 +205,13 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
         with _damage(path):
             reader = stack.enter_context(AnyReader([source]))
         yield Bag(path, reader, files, unfinished)
+
+
+def _bag_in(path: Path) -> Path:
+    """Return the bag in the folder of a run; any other path as it is."""
+    bag = path / BAG_FOLDER
+    is_bag = (path / METADATA_NAME).exists() or any(path.glob(f"*{MCAP_SUFFIX}"))
+    return bag if bag.is_dir() and not is_bag else path
 
 
 def _storage_files(path: Path) -> list[Path]:

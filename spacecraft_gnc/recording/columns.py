@@ -7,7 +7,7 @@ between runs, and players reorder equal stamps); the step that every message car
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -17,11 +17,13 @@ from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._finite import require_finite
 from spacecraft_gnc.recording._layout import Group, decode
 from spacecraft_gnc.recording._scan import Progress
+from spacecraft_gnc.recording._seen import Seen
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.steps import UNIQUE, flight_topics
 from spacecraft_gnc.types import Array
 
 _BLOCK: Final = 4096  # messages of one topic that are decoded together
+_MOST_STEPS: Final = 2**53  # where a float stops to hold each integer
 _STEP: Final = "step"
 _STAMP: Final = ("header.stamp.sec", "header.stamp.nanosec")
 _HEADER: Final = "header."
@@ -43,12 +45,15 @@ class Columns:
         (m, longest), padded with NaN.
     repeats : int
         Messages of a step that had come before.
+    conflicts : tuple of int
+        Steps of those that were not the same message.
     """
 
     steps: NDArray[np.int64]
     stamps: Array
     fields: Mapping[str, NDArray[Any]]
     repeats: int = 0
+    conflicts: tuple[int, ...] = ()
 
     def missing(self, first: int, last: int) -> tuple[int, ...]:
         """Return the steps of ``first``..``last`` without a message."""
@@ -91,7 +96,7 @@ def read_columns(
     blocks: dict[str, list[Columns]] = {name: [] for name in names}
     for name, block in iter_columns(bag, names, namespace, progress):
         kept = {key: value for key, value in block.fields.items() if key not in leave_out}
-        blocks[name].append(Columns(block.steps, block.stamps, kept, block.repeats))
+        blocks[name].append(replace(block, fields=kept))
     return {name: _joined(parts) for name, parts in blocks.items()}
 
 
@@ -108,41 +113,15 @@ def iter_columns(
     """
     topics = flight_topics(bag, names, namespace)
     pending: dict[str, list[bytes]] = {topic: [] for topic in topics}
-    orders = {topic: _Order() for topic, name in topics.items() if name in UNIQUE}
+    seen = {topic: Seen(f"{bag.path}: {topic}", topics[topic] in UNIQUE) for topic in topics}
     for topic, data in bag.recorded(topics, progress):
         pending[topic].append(data)
         if len(pending[topic]) == _BLOCK:
-            yield topics[topic], _block(bag, topic, pending[topic], orders.get(topic))
+            yield topics[topic], _block(bag, topic, pending[topic], seen[topic])
             pending[topic] = []
     for topic, messages in pending.items():
         if messages:
-            yield topics[topic], _block(bag, topic, messages, orders.get(topic))
-
-
-@dataclass(slots=True)
-class _Order:
-    """What came so far of a topic whose messages exist once: another run shows as a difference."""
-
-    digests: dict[int, int] = field(default_factory=dict)
-    latest: int = -1
-
-    def check(self, bag: Bag, topic: str, steps: list[int], messages: list[bytes]) -> None:
-        """Refuse a step that came before with other content, or long before."""
-        for step, data in zip(steps, messages, strict=True):
-            digest = hash(data)
-            known = self.digests.get(step)
-            if known is None:
-                self.digests[step] = digest
-                self.latest = max(self.latest, step)
-                continue
-            found = f"two different messages of step {step}"
-            if known == digest:  # sent again, at once, because no answer had come
-                found = f"step {step} again after step {self.latest}"
-            if known != digest or step < self.latest - 1:
-                raise RecordingError(
-                    f"{bag.path}: {topic} holds {found}; required one run of one spacecraft; "
-                    "record each run into a bag of its own"
-                )
+            yield topics[topic], _block(bag, topic, messages, seen[topic])
 
 
 class _Decoded(NamedTuple):
@@ -154,7 +133,7 @@ class _Decoded(NamedTuple):
     fields: dict[str, NDArray[Any]]
 
 
-def _block(bag: Bag, topic: str, messages: list[bytes], order: _Order | None) -> Columns:
+def _block(bag: Bag, topic: str, messages: list[bytes], seen: Seen) -> Columns:
     """Decode messages, and keep the first of each step."""
     try:
         groups = [_decoded(group) for group in decode(bag.definitions, bag.topics[topic], messages)]
@@ -163,11 +142,21 @@ def _block(bag: Bag, topic: str, messages: list[bytes], order: _Order | None) ->
             f"{bag.path}: {topic}: {error}, as its definition in the bag says; record again"
         ) from error
     for group in groups:
+        _require_reachable(f"{bag.path}: {topic}", group.steps)
         require_finite(f"{bag.path}: {topic}", group.steps, group.fields)
-    unsorted = _gathered(groups, len(messages))
-    if order is not None:
-        order.check(bag, topic, unsorted.steps.tolist(), messages)
-    return _by_step(unsorted)
+    unsorted = _gathered(groups)
+    conflicts = seen.conflicts(unsorted.steps.tolist(), messages)
+    return _by_step(replace(unsorted, conflicts=conflicts))
+
+
+def _require_reachable(where: str, steps: NDArray[np.int64]) -> None:
+    """Refuse a step that no flight counts to: an unsigned number, read as a signed one, wraps."""
+    beyond = np.flatnonzero((steps < 0) | (steps >= _MOST_STEPS))
+    if beyond.size:
+        raise RecordingError(
+            f"{where}: received step {int(steps[beyond[0]]) % 2**64}; required a step below "
+            f"2^53, as counted from 0; the message was recorded so: record again"
+        )
 
 
 def _decoded(group: Group) -> _Decoded:
@@ -188,7 +177,7 @@ def _plain(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(wide)
 
 
-def _gathered(parts: list[_Decoded], count: int) -> Columns:
+def _gathered(parts: list[_Decoded]) -> Columns:
     """Put the groups of a block back into the order in which the messages came."""
     rows = np.concatenate([part.rows for part in parts])
     back = np.argsort(rows)
@@ -217,7 +206,9 @@ def _joined(parts: list[Columns]) -> Columns:
     fields = {name: _stacked([part.fields[name] for part in parts]) for name in parts[0].fields}
     steps = np.concatenate([part.steps for part in parts])
     stamps = np.concatenate([part.stamps for part in parts])
-    return _by_step(Columns(steps, stamps, fields, sum(part.repeats for part in parts)))
+    repeats = sum(part.repeats for part in parts)
+    conflicts = tuple(step for part in parts for step in part.conflicts)
+    return _by_step(Columns(steps, stamps, fields, repeats, conflicts))
 
 
 def _by_step(columns: Columns) -> Columns:
@@ -227,4 +218,4 @@ def _by_step(columns: Columns) -> Columns:
         return columns
     fields = {name: values[first] for name, values in columns.fields.items()}
     repeats = columns.repeats + columns.steps.size - steps.size
-    return Columns(steps, columns.stamps[first], fields, repeats)
+    return Columns(steps, columns.stamps[first], fields, repeats, columns.conflicts)

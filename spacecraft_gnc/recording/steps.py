@@ -1,14 +1,9 @@
-"""Messages of a flight, sorted by the control step that they carry.
-
-Arrival order and time stamps say nothing certain about which messages belong together (they differ
-between runs, and players reorder equal stamps); the step that every message carries does.
-"""
+"""The topics of a flight whose messages carry a control step: names, types, versions."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
@@ -46,58 +41,6 @@ TYPE_HASHES: Final[Mapping[str, str]] = {
     }.items()
 }
 """REP-2011 hash of each of these types in this version of the messages."""
-
-
-@dataclass(slots=True)
-class Steps:
-    """Decoded messages of one topic by step; of a step that came twice the first is kept."""
-
-    messages: dict[int, Any] = field(default_factory=dict)
-    repeats: int = 0
-
-    def missing(self, last: int) -> tuple[int, ...]:
-        """Return the steps of 0..``last`` without a message."""
-        return tuple(step for step in range(last + 1) if step not in self.messages)
-
-
-def read_steps(bag: Bag, names: Iterable[str], namespace: str | None = None) -> dict[str, Steps]:
-    """Read topics of a flight, by the last part of their names.
-
-    Parameters
-    ----------
-    bag
-        An open bag.
-    names
-        Of `TYPES`; a topic that was not recorded comes back without messages.
-    namespace
-        Of the spacecraft, where the bag holds several.
-
-    Raises
-    ------
-    RecordingError
-        If the bag is of another package, holds several spacecraft or several runs, or a topic has
-        another type or version of its type.
-    """
-    prefix = _namespace(bag, namespace)
-    found = {f"{prefix}/{name}": Steps() for name in names if f"{prefix}/{name}" in bag.topics}
-    _check_types(bag, found, prefix)
-    payloads: dict[tuple[str, int], bytes] = {}
-    for topic, data in bag.messages(found):
-        message = bag.decode(topic, data)
-        step = int(_attribute(bag, topic, message, "step"))
-        name, steps = topic.rpartition("/")[2], found[topic]
-        if step not in steps.messages:
-            steps.messages[step] = message
-            if name in UNIQUE:
-                payloads[topic, step] = data
-            continue
-        steps.repeats += 1
-        if name in UNIQUE and payloads[topic, step] != data:
-            raise RecordingError(
-                f"{bag.path}: {topic} holds two different messages of step {step}; required one "
-                "run of one spacecraft; record each run into a bag of its own"
-            )
-    return {name: found.get(f"{prefix}/{name}", Steps()) for name in names}
 
 
 def flight_topics(bag: Bag, names: Iterable[str], namespace: str | None = None) -> dict[str, str]:
@@ -151,23 +94,3 @@ def _namespace(bag: Bag, namespace: str | None) -> str:
             "its namespace"
         )
     return prefixes[0]
-
-
-def _check_types(bag: Bag, topics: Iterable[str], prefix: str) -> None:
-    for topic in topics:
-        required = TYPES[topic.removeprefix(f"{prefix}/")]
-        if bag.topics[topic] != required:
-            raise RecordingError(
-                f"{bag.path}: {topic} has type {bag.topics[topic]}; required {required}; the bag "
-                "was recorded from another package"
-            )
-
-
-def _attribute(bag: Bag, topic: str, message: Any, name: str) -> Any:
-    try:
-        return getattr(message, name)
-    except AttributeError as error:
-        raise RecordingError(
-            f"{bag.path}: {bag.topics[topic]} on {topic} has no field {name}; required this "
-            "package's version of the message; record again, or read with the version that flew"
-        ) from error

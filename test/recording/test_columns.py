@@ -30,7 +30,7 @@ def statuses(draw):
         return np.array(draw(st.lists(numbers, max_size=most)))
 
     step = draw(st.integers(0, 40))
-    message = CODEC.make(
+    return CODEC.make(
         "SolverStatus",
         header=CODEC.header(step, draw(words)),
         step=step,
@@ -52,7 +52,6 @@ def statuses(draw):
         wall_solve_time=draw(st.floats()),
         wall_deadline_slack=draw(st.floats()),
     )
-    return message
 
 
 def padded(values, longest):

@@ -1,1 +1,0 @@
-"""Hashes of the message types that this version reads and writes (REP-2011, ``RIHS01``)."""
