@@ -120,9 +120,13 @@ class Player:
 
     def end(self) -> tuple[str, str]:
         """Wait for a good end; return what was printed."""
-        out, err = self.process.communicate(timeout=PATIENCE)
+        # not communicate(): it would leave out what was read ahead with the first line
+        with self.process as process:
+            assert process.stdout is not None
+            out = process.stdout.read()
+            err = process.stderr.read() if process.stderr else ""
         assert self.process.returncode == 0, err
-        return out, err or ""
+        return out, err
 
 
 class Listener:
@@ -201,8 +205,8 @@ def play(tmp_path: Path) -> Iterator[Callable[..., tuple[Player, Listener]]]:
         if isinstance(item, Listener):
             item.close()
         elif item.poll() is None:
-            item.kill()
-            item.wait()
+            with item:
+                item.kill()
 
 
 def test_all_messages_arrive_as_recorded(play: Any, tmp_path: Path) -> None:
