@@ -141,14 +141,14 @@ def _run(wish: Playing, playback: Playback, plan: Plan, domain_id: int) -> None:
 
     silent = wish.quiet or wish.as_json
     with Player(playback, plan, domain_id) as player, pressed_keys() as key:
-        if not silent:
-            print(
-                f"{wish.source}: {playback.duration:g} s on ROS_DOMAIN_ID={domain_id}; look at it "
-                f"with gnc inspect topics --domain-id {domain_id}",
-                flush=True,
+        if not wish.quiet:
+            where = (
+                f"{playback.duration:g} s on ROS_DOMAIN_ID={domain_id}; look at it with gnc inspect"
             )
-            if key is not None:
-                print(_KEYS, flush=True)
+            stream = sys.stderr if wish.as_json else sys.stdout
+            print(f"{wish.source}: {where} topics --domain-id {domain_id}", file=stream, flush=True)
+        if key is not None and not silent:
+            print(_KEYS, flush=True)
         for name, reason in player.skipped.items():
             print(f"warning: {name} is not played: {reason}", file=sys.stderr, flush=True)
         player.await_subscribers()

@@ -161,6 +161,17 @@ def _sides(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str
         ("time a solve", _time(old), _time(new)),
         ("steps not solved", str(old["unconverged_steps"]), str(new["unconverged_steps"])),
         ("torque from", _sources(old), _sources(new)),
+        *_standstills(old, new),
+    ]
+
+
+def _standstills(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Return the rows on standstills away from the target, where either side had one."""
+    rows = {"steps at a standstill": "stalled_steps", "steps leaving one": "escaping_steps"}
+    return [
+        (label, str(old[name]), str(new[name]))
+        for label, name in rows.items()
+        if old[name] or new[name]
     ]
 
 
@@ -191,7 +202,7 @@ def _at(m: dict[str, Any], name: str, unit: str, period: float) -> str:
 
 
 def _number(value: float | None, unit: str = "") -> str:
-    return "-" if value is None else f"{value:.4g} {unit}".rstrip()
+    return "-" if value is None else f"{value:.6g} {unit}".rstrip()
 
 
 def _iterations(side: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@ import pytest
 from recording.bags import flight_messages, record
 
 from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.scenario import load
 
 CASE1 = Path(__file__).parents[2] / "config" / "gupta2015_case1.yaml"
@@ -170,3 +171,12 @@ def test_what_is_no_bag_is_refused(tmp_path, capsys, options):
 def test_arrays_cannot_be_published(flown, tmp_path, capsys):
     file = flown[1].save(tmp_path / "flight.npz")
     assert "required a bag" in refusal(capsys, file, "--publish")
+
+
+def test_a_domain_in_use_is_refused(bag, capsys):
+    lock = domain.claim_free({"test": "replay"})
+    try:
+        arguments = (bag, "--publish", "--domain-id", lock.domain_id)
+        assert "where another graph runs (pid" in refusal(capsys, *arguments)
+    finally:
+        lock.release()

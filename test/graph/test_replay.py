@@ -70,14 +70,16 @@ def text(words: str) -> bytes:
 
 
 def recorded(folder: Path, steps: int = STEPS) -> dict[str, list[bytes]]:
-    """Write a bag of a flight, a latched note and a topic of an unknown package."""
+    """Write a bag of a flight, a latched note, and topics of unknown and of changed types."""
     payloads: dict[str, list[bytes]] = defaultdict(list)
     note = QosProfile(depth=1, durability="transient_local")
     with BagWriter(folder) as writer:
         announce(writer)
         writer.add_topic("/note", STRING, CODEC.texts[STRING], qos_yaml=qos_yaml(note))
         writer.add_topic("/foreign", "absent_msgs/msg/Thing", "string data\n")
+        writer.add_topic("/other", "std_msgs/msg/Int32", "int64 data\n")
         writer.write("/note", 0, 0, text("remember"))
+        writer.write("/other", 0, 0, b"\0\1\0\0" + bytes(8))
         writer.write("/foreign", 0, 0, text("unknown"))
         for topic, step, data in flight_messages(random_flight(steps)):
             writer.write(f"/{topic}", step * STEP_NS, step * STEP_NS, data)
@@ -221,7 +223,11 @@ def test_all_messages_arrive_as_recorded(play: Any, tmp_path: Path) -> None:
     assert listener.heard["/note"] == [text("remember")]
     out, err = player.end()
     assert f"played to its end, {6 * STEPS + 4 + STEPS} messages" in out
-    assert err == "warning: /foreign is not played: absent_msgs/msg/Thing is not installed\n"
+    changed = "std_msgs/msg/Int32 is installed in another version than was recorded"
+    assert err.splitlines() == [
+        "warning: /foreign is not played: absent_msgs/msg/Thing is not installed",
+        f"warning: /other is not played: {changed}",
+    ]
 
 
 def test_who_joins_late_gets_what_is_latched(play: Any) -> None:
@@ -324,6 +330,15 @@ def test_a_live_controller_answers_a_replay_as_it_did_in_flight(
     assert [answer.step for answer in answers] == list(range(20))
     commanded = read_flight(flown).trajectory.torque
     assert np.array_equal([answer.torque for answer in answers], commanded)
+
+
+def test_without_a_subscriber_it_begins_when_its_patience_is_over(tmp_path: Path) -> None:
+    recorded(tmp_path / "bag")
+    options = ("--topics", "attitude_state", "--rate", "max", "--wait-for", "clock")
+    player = Player(tmp_path / "bag", *options, "--patience", "0.2")
+    out, err = player.end()
+    assert f"played to its end, {2 * (STEPS + 1)} messages" in out
+    assert err == "warning: nobody listens to /clock after 0.2 s\n"
 
 
 def test_keys_control_it(tmp_path: Path) -> None:
