@@ -81,7 +81,7 @@ def solve_again(wish: Solving) -> None:
         raise RunFailed(
             f"{wish.source}: step {numbers['first_difference']}: {recorded.controller.method} "
             "commands another torque than it did in this lockstep flight; required the same bit "
-            "for bit; were bag, version of the package and machine the same?"
+            "for bit; find out whether it was restarted, or flew in another version or elsewhere"
         )
 
 
@@ -129,7 +129,8 @@ def _draw(
     from spacecraft_gnc.analysis.resolve_report import figure
 
     recorded, revised = (scenario.controller.method for scenario in scenarios)
-    drawn = figure(resolved, (recorded, revised), source.resolve().name)
+    names = (recorded, f"{revised} again" if revised == recorded else revised)
+    drawn = figure(resolved, names, "/".join(source.resolve().parts[-2:]))
     return save_figures([("replay", drawn)], folder, ("png", "svg"))
 
 
