@@ -43,6 +43,10 @@ COMMANDS: Final = {
     ),
     "export": _Command(f"{_PACKAGE}.export:export", "Write a bag as CSV, Parquet, NPZ or MAT."),
     "plot": _Command(f"{_PACKAGE}.plot:plot", "Draw the figures of a flight."),
+    "replay": _Command(
+        f"{_PACKAGE}.replay:replay",
+        "Play a bag into a live graph, or solve its steps again with another controller.",
+    ),
     "inspect": _Command(
         f"{_PACKAGE}.inspect:inspect", "Look into a running graph: nodes, topics, messages, rates."
     ),
