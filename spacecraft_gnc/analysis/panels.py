@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 TIME_LABEL: Final = "time [s]"
 _COMPONENTS = "xyz"
 _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale hides the median
-_ZONE_COLOURS = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
 
 
 def attitude_error(
@@ -230,7 +229,7 @@ def attitude_sphere(
     for zone in zones:
         axis = zone.inertial_axis / np.linalg.norm(zone.inertial_axis)
         half_angle = math.radians(zone.half_angle_deg)
-        sphere.draw_cap(axes, view, axis, half_angle, color=_ZONE_COLOURS[zone.kind])
+        sphere.draw_cap(axes, view, axis, half_angle, color=style.ZONE_COLOURS[zone.kind])
     attitudes = series.attitudes(trajectory)
     known = attitudes[np.isfinite(attitudes).all(axis=(1, 2))]
     for i, color in enumerate(style.AXIS_COLOURS):
@@ -251,7 +250,7 @@ def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:
         Line2D([], [], color=style.INK, linestyle=(0, (3.5, 2.0)), label="start"),
         Line2D([], [], color=style.INK, label="end"),
     ]
-    for kind, color in ((kind, _ZONE_COLOURS[kind]) for kind in sorted({z.kind for z in zones})):
+    for kind, color in ((kind, style.ZONE_COLOURS[kind]) for kind in sorted({z.kind for z in zones})):
         patch = Line2D([], [], color=color, linewidth=6, alpha=0.5, label=f"{kind} zone")
         meaning.append(patch)
     # A legend is filled column by column: pair the two rows, blanks where one is shorter.

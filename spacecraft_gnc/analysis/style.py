@@ -10,7 +10,6 @@ import math
 from contextlib import AbstractContextManager
 from typing import Any, Final, NamedTuple
 
-import matplotlib as mpl
 import numpy as np
 
 from spacecraft_gnc.types import Array
@@ -19,6 +18,11 @@ AXIS_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73")
 """Body axes x, y, z: blue, vermilion, bluish green."""
 AXIS_STYLES: Final = ("-", (0, (5, 1.2)), (0, (1.2, 1.0)))
 """Line styles of x, y, z, so that a grey print can be read too."""
+RUN_COLOURS: Final = (*AXIS_COLOURS, "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+"""Runs beside each other, in this order."""
+SOURCE_COLOURS: Final = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000")
+"""Rungs of the fallback ladder, best first (`loop.Source`)."""
+ZONE_COLOURS: Final = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
 INK: Final = "#222222"
 LIMIT_COLOUR: Final = "#B0282E"
 MUTED: Final = "#6E6E6E"
@@ -60,6 +64,8 @@ _RC_PARAMS: Final[dict[Any, Any]] = {
 
 def applied() -> AbstractContextManager[None]:
     """Return a context in which figures are drawn and saved in this style."""
+    import matplotlib as mpl  # here: a page of the report has the colours without it
+
     return mpl.rc_context(_RC_PARAMS)
 
 

@@ -1,0 +1,137 @@
+"""A diagram of the report, and the two shapes that most of them have."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final, TypeAlias
+
+import numpy as np
+
+from spacecraft_gnc.analysis import series, style
+from spacecraft_gnc.analysis.report.runs import Run
+from spacecraft_gnc.analysis.report.traces import (
+    Curve,
+    Trace,
+    axis,
+    component_line,
+    figure,
+    run_line,
+    trace,
+)
+from spacecraft_gnc.types import Array
+
+Values: TypeAlias = Callable[[Run], Array]
+HELD: Final = {"shape": "hv"}
+"""Line of a value that holds for a control period."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """One of several forms of a diagram that the reader chooses from."""
+
+    name: str
+    label: str
+    note: str
+    figure: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """A diagram.
+
+    Attributes
+    ----------
+    name
+        Identifier in the page.
+    title, note
+        Heading, and the line below it: what is drawn and how.
+    figure
+        As `traces.figure` gives it; empty where `variants` has some.
+    variants
+        To choose from, the first one is shown.
+    scale
+        Name of the y axis that may be switched between log and linear; empty: none.
+    wide
+        Whether it takes the whole width of the page.
+    """
+
+    name: str
+    title: str
+    note: str = ""
+    figure: dict[str, Any] = field(default_factory=dict)
+    variants: tuple[Variant, ...] = ()
+    scale: str = ""
+    wide: bool = False
+
+    def data(self) -> dict[str, Any]:
+        """Return what the script of the page needs."""
+        variants = [
+            {"name": v.name, "note": v.note, "figure": v.figure} for v in self.variants
+        ]
+        return {
+            "name": self.name,
+            "figure": self.figure or self.variants[0].figure,
+            "variants": variants,
+            "scale": self.scale,
+        }
+
+
+def times_of(run: Run, values: Array) -> Array:
+    """Return the times [s] of values of the steps (n) or of the states (n + 1)."""
+    times = series.state_times(run.trajectory)
+    return times[: len(values)]
+
+
+def held(values: Array) -> Array:
+    """Return (n + 1,) values: the last one once more at the end of its control period."""
+    return np.concatenate([values, values[-1:]])
+
+
+def one_curve_each(
+    runs: Sequence[Run], points: int, values: Values, name: str, **line: Any
+) -> Iterator[Trace]:
+    """Yield one curve of each run that knows the values.
+
+    Parameters
+    ----------
+    name
+        Label where there is only one run; else the run's name.
+    """
+    for i, run in enumerate(runs):
+        data = values(run)
+        if np.isfinite(data).any():
+            text = name if len(runs) == 1 else run.name
+            curve = Curve(times_of(run, data), data, text, {**run_line(i), **line})
+            yield trace(curve, points)
+
+
+def components(
+    runs: Sequence[Run],
+    points: int,
+    values: Values,
+    names: Sequence[str],
+    quantity: str,
+    unit: style.Unit,
+    **line: Any,
+) -> dict[str, Any]:
+    """Return the figure of a vector: one diagram for one run, else one row for each component."""
+    several = len(runs) > 1
+    traces = []
+    for i, run in enumerate(runs):
+        data = unit.factor * values(run)
+        for j, name in enumerate(names):
+            drawn = run_line(i) if several else component_line(j)
+            options = {"legendgroup": run.name, "showlegend": j == 0} if several else {}
+            curve = Curve(
+                times_of(run, data),
+                data[:, j],
+                run.name if several else name,
+                {**drawn, **line},
+                row=j if several else 0,
+                options=options,
+            )
+            traces.append(trace(curve, points))
+    if several:
+        return figure(traces, [axis(f"{name} [{unit.label}]") for name in names])
+    return figure(traces, [axis(f"{quantity} [{unit.label}]")])

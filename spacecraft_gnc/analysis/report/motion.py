@@ -1,0 +1,155 @@
+"""Diagrams of the motion: attitude, momentum, torque, pointing zones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from spacecraft_gnc.analysis import representations as forms
+from spacecraft_gnc.analysis import series, style
+from spacecraft_gnc.analysis.report.chart import (
+    HELD,
+    Chart,
+    Variant,
+    components,
+    held,
+    one_curve_each,
+    times_of,
+)
+from spacecraft_gnc.analysis.report.runs import Run
+from spacecraft_gnc.analysis.report.traces import (
+    Curve,
+    Trace,
+    axis,
+    figure,
+    level,
+    log_axis,
+    run_line,
+    trace,
+)
+from spacecraft_gnc.types import Array
+
+_DASHES = ("solid", "dash", "dot", "dashdot")
+
+
+def motion_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
+    """Yield the diagrams of what the spacecraft did."""
+    yield _attitude_error(runs, points)
+    yield _attitude(runs, points)
+    yield _momentum(runs, points)
+    yield _torque(runs, points)
+    yield _torque_norm(runs, points)
+    margins = list(_zone_margins(runs, points))
+    if margins:
+        border = level(_span(runs), 0.0, "border of the zone")
+        yield Chart(
+            "zones",
+            "Pointing-zone margin",
+            "Angle left to the border of each zone; negative: violated.",
+            figure([*margins, border], [axis("angle to the border [deg]")]),
+        )
+
+
+def _attitude_error(runs: Sequence[Run], points: int) -> Chart:
+    def settling(run: Run) -> Array:
+        return series.settling_error_deg(run.trajectory, run.scenario)
+
+    traces = list(one_curve_each(runs, points, settling, "angle to the target"))
+    for i, run in enumerate(runs):
+        if series.target(run.trajectory, run.scenario) is not None:
+            error = series.attitude_error_deg(run.trajectory)
+            text = _named(runs, run, "to the governor's reference")
+            line = {**run_line(i), "dash": "dot", "width": 1.1}
+            traces.append(trace(Curve(times_of(run, error), error, text, line), points))
+    return Chart(
+        "error",
+        "Attitude error",
+        "Angle from the attitude to the target (to the reference where no governor shapes it).",
+        figure(traces, [log_axis("angle [deg]")]),
+        scale="yaxis",
+    )
+
+
+def _attitude(runs: Sequence[Run], points: int) -> Chart:
+    variants = []
+    for form in forms.REPRESENTATIONS:
+        drawn = components(
+            runs,
+            points,
+            lambda run, form=form: forms.values(form, series.attitudes(run.trajectory)),
+            form.components,
+            form.title.removeprefix("Attitude as ").split(" x,")[0],
+            style.Unit(form.unit, 1.0),
+        )
+        note = form.convention + (_gimbal_lock(runs) if form is forms.ROLL_PITCH_YAW else "")
+        variants.append(Variant(form.name, form.title.removeprefix("Attitude as "), note, drawn))
+    return Chart("attitude", "Attitude", variants=tuple(variants))
+
+
+def _gimbal_lock(runs: Sequence[Run]) -> str:
+    """Return how many states lie near gimbal lock."""
+    counts = {
+        run.name: int(np.count_nonzero(forms.near_gimbal_lock(series.attitudes(run.trajectory))))
+        for run in runs
+    }
+    near = [f"{name}: {count}" for name, count in counts.items() if count]
+    where = f"within {forms.GIMBAL_LOCK_DEG:g} deg of gimbal lock"
+    return f" States {where}: {', '.join(near) or 'none'}."
+
+
+def _momentum(runs: Sequence[Run], points: int) -> Chart:
+    unit = style.prefixed("N m s", *(series.momenta(run.trajectory) for run in runs))
+    drawn = components(
+        runs, points, lambda run: series.momenta(run.trajectory), "xyz", "momentum", unit
+    )
+    return Chart("momentum", "Angular momentum", "Components in the body frame.", drawn)
+
+
+def _torque(runs: Sequence[Run], points: int) -> Chart:
+    unit = style.prefixed("N m", *(run.trajectory.torque for run in runs))
+    drawn = components(
+        runs, points, lambda run: held(run.trajectory.torque), "xyz", "torque", unit, **HELD
+    )
+    note = "Components in the body frame, held over each control period."
+    return Chart("torque", "Torque", note, drawn)
+
+
+def _torque_norm(runs: Sequence[Run], points: int) -> Chart:
+    limits = [series.torque_limit(run.trajectory, run.scenario) for run in runs]
+    norms = [series.torque_norm(run.trajectory) for run in runs]
+    unit = style.prefixed("N m", *norms, np.array(limits))
+    traces = list(
+        one_curve_each(
+            runs,
+            points,
+            lambda run: held(unit.factor * series.torque_norm(run.trajectory)),
+            "|u|",
+            **HELD,
+        )
+    )
+    for limit in sorted(set(limits) - {0.0}):
+        text = f"limit {unit.factor * limit:g} {unit.label}"
+        traces.append(level(_span(runs), unit.factor * limit, text))
+    y = axis(f"|torque| [{unit.label}]", rangemode="tozero")
+    return Chart("torque_norm", "Torque norm and limit", "", figure(traces, [y]))
+
+
+def _zone_margins(runs: Sequence[Run], points: int) -> Iterator[Trace]:
+    for i, run in enumerate(runs):
+        zones = run.scenario.controller.zones if run.scenario is not None else ()
+        for j, zone in enumerate(zones):
+            margin = series.zone_margin_deg(run.trajectory, zone)
+            text = _named(runs, run, f"{zone.name} ({zone.kind})")
+            line = {**run_line(j if len(runs) == 1 else i), "dash": _DASHES[j % len(_DASHES)]}
+            yield trace(Curve(times_of(run, margin), margin, text, line), points)
+
+
+def _span(runs: Sequence[Run]) -> tuple[float, float]:
+    """Return first and last time of all runs [s]."""
+    times = [series.state_times(run.trajectory) for run in runs]
+    return min(float(t[0]) for t in times), max(float(t[-1]) for t in times)
+
+
+def _named(runs: Sequence[Run], run: Run, text: str) -> str:
+    return text if len(runs) == 1 else f"{run.name}: {text}"

@@ -1,0 +1,59 @@
+"use strict";
+// Draws the diagrams of the report; nothing is fetched, the data lie in the page.
+
+const report = JSON.parse(document.getElementById("report-data").textContent);
+const plotConfig = {
+  responsive: true,
+  displaylogo: false,
+  modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+  toImageButtonOptions: { format: "svg" },
+};
+
+// Plotly writes into what it draws: a form chosen again must be as it was.
+const copyOf = (figure) => structuredClone(figure);
+
+function drawChart(chart) {
+  const figure = copyOf(chart.figure);
+  return Plotly.newPlot(chart.name, figure.data, figure.layout, plotConfig);
+}
+
+function connectScale(box, chart) {
+  box.addEventListener("change", () => {
+    const type = box.checked ? "log" : "linear";
+    Plotly.relayout(chart.name, { [`${chart.scale}.type`]: type, [`${chart.scale}.autorange`]: true });
+  });
+}
+
+function connectVariants(select, chart) {
+  select.addEventListener("change", () => {
+    const variant = chart.variants[Number(select.value)];
+    const figure = copyOf(variant.figure);
+    Plotly.react(chart.name, figure.data, figure.layout, plotConfig);
+    document.getElementById(`n-${chart.name}`).textContent = variant.note;
+  });
+}
+
+const chartNamed = (name) => report.charts.find((chart) => chart.name === name);
+
+async function drawReport() {
+  for (const box of document.querySelectorAll("[data-scale]")) {
+    box.checked = true; // a browser may restore what it was before a reload
+    connectScale(box, chartNamed(box.dataset.scale));
+  }
+  for (const select of document.querySelectorAll("[data-variants]")) {
+    select.value = "0";
+    connectVariants(select, chartNamed(select.dataset.variants));
+  }
+  await drawSphere(report.sphere);
+  for (const chart of report.charts) await drawChart(chart);
+  document.documentElement.dataset.ready = "true";
+}
+
+// A sheet of paper has another width than the window.
+for (const event of ["beforeprint", "afterprint"]) {
+  window.addEventListener(event, () => {
+    for (const plot of document.querySelectorAll(".js-plotly-plot")) Plotly.Plots.resize(plot);
+  });
+}
+
+window.addEventListener("DOMContentLoaded", drawReport);

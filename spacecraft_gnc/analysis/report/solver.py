@@ -1,0 +1,196 @@
+"""Diagrams of the solver, of where commands came from, and of the governor."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from spacecraft_gnc.analysis import series, style
+from spacecraft_gnc.analysis.report.chart import HELD, Chart, one_curve_each
+from spacecraft_gnc.analysis.report.runs import Run
+from spacecraft_gnc.analysis.report.traces import (
+    Trace,
+    axis,
+    figure,
+    label,
+    level,
+    log_axis,
+    packed,
+    run_line,
+)
+from spacecraft_gnc.types import Array
+
+_BINS = 40
+
+
+def solver_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
+    """Yield the diagrams of the solves, where there were any."""
+    solved = [run for run in runs if (run.trajectory.status >= 0).any()]
+    if solved:
+        yield _iterations(runs, points)
+        yield _residual(runs, points)
+        yield _solve_times(runs)
+    yield from _curvature(runs, points)
+    yield from _radius(runs, points)
+    yield from _governor(runs, points)
+
+
+def _iterations(runs: Sequence[Run], points: int) -> Chart:
+    def counts(run: Run) -> Array:
+        solved = run.trajectory.status >= 0
+        return np.where(solved, run.trajectory.iterations, math.nan)
+
+    traces = list(one_curve_each(runs, points, counts, "iterations", **HELD))
+    for i, run in enumerate(runs):
+        failed = series.unconverged(run.trajectory)
+        if failed.any():
+            traces.append(_marks(runs, i, run.trajectory.time[failed], counts(run)[failed]))
+    y = axis("iterations [-]", rangemode="tozero", tickformat="d")
+    note = "Of the solve behind each command."
+    return Chart("iterations", "Solver iterations", note, figure(traces, [y]))
+
+
+def _marks(runs: Sequence[Run], index: int, times: Array, values: Array) -> Trace:
+    name = "not converged" if len(runs) == 1 else f"{runs[index].name}: not converged"
+    return {
+        "type": "scatter",
+        "mode": "markers",
+        "x": packed(times),
+        "y": packed(values),
+        "name": label(name),
+        "marker": {"symbol": "x", "size": 7, "color": style.LIMIT_COLOUR},
+    }
+
+
+def _residual(runs: Sequence[Run], points: int) -> Chart:
+    traces = list(one_curve_each(runs, points, lambda run: run.trajectory.residual, "residual"))
+    tolerances = {
+        run.scenario.controller.residual_tolerance for run in runs if run.scenario is not None
+    }
+    for tolerance in sorted(tolerances):
+        span = (runs[0].trajectory.time[0], max(run.metrics["duration"] for run in runs))
+        traces.append(level(span, tolerance, f"tolerance {tolerance:g}"))
+    note = "Euclidean norm of the optimality conditions when the solve ended."
+    return Chart(
+        "residual", "Residual", note, figure(traces, [log_axis("residual [-]")]), scale="yaxis"
+    )
+
+
+def _curvature(runs: Sequence[Run], points: int) -> Iterator[Chart]:
+    traces = list(
+        one_curve_each(runs, points, lambda run: run.telemetry.min_curvature, "least curvature")
+    )
+    if traces:
+        note = "Smallest eigenvalue of the reduced Hessian; positive: a minimum." + _absent(
+            runs, "min_curvature"
+        )
+        y = axis("curvature [cost per (N m)²]", rangemode="tozero")
+        yield Chart("curvature", "Least curvature of the solution", note, figure(traces, [y]))
+
+
+def _radius(runs: Sequence[Run], points: int) -> Iterator[Chart]:
+    traces = list(
+        one_curve_each(
+            runs, points, lambda run: run.telemetry.closed_loop_radius, "radius", **HELD
+        )
+    )
+    if traces:
+        span = (runs[0].trajectory.time[0], max(run.metrics["duration"] for run in runs))
+        traces.append(level(span, 1.0, "stable below 1"))
+        note = (
+            "Spectral radius of the closed loop linearised at a standstill away from the target; "
+            "above 1 it is unstable. Known at standstills only."
+        )
+        y = axis("spectral radius [-]")
+        for item in traces[:-1]:
+            item["mode"] = "lines+markers"  # a standstill of one step is a point
+            item["marker"] = {"size": 4}
+        yield Chart("radius", "Closed-loop radius at a standstill", note, figure(traces, [y]))
+
+
+def _absent(runs: Sequence[Run], name: str) -> str:
+    without = [r.name for r in runs if not np.isfinite(getattr(r.telemetry, name)).any()]
+    return f" Not recorded: {', '.join(without)}." if without else ""
+
+
+def _solve_times(runs: Sequence[Run]) -> Chart:
+    known = [_positive(run.trajectory.solve_time) for run in runs]
+    deadlines = {value: text for run in runs for value, text in [_deadline(run)] if value}
+    unit = style.prefixed("s", *(values for values in known))
+    every = np.concatenate([*known, np.array([*deadlines, *([1e-6] if not deadlines else [])])])
+    low, high = math.log10(every.min()), math.log10(every.max())
+    edges = np.logspace(low - 0.02, high + 0.02, _BINS + 1)
+    traces = [_bars(runs, i, values, edges, unit) for i, values in enumerate(known) if values.size]
+    top = max((int(max(item["customdata"])) for item in traces), default=1)
+    for value, text in deadlines.items():
+        line = {"color": style.LIMIT_COLOUR, "dash": "dash", "width": 1.5}
+        x = unit.factor * value
+        traces.append(level((x, x), 0.0, text, x=[x, x], y=[0, top], line=line))
+    drawn = figure(
+        traces,
+        [axis("solves [-]", rangemode="tozero")],
+        log_axis(f"wall time of a solve [{unit.label}]"),
+    )
+    drawn["layout"].update({"barmode": "overlay", "bargap": 0, "hovermode": "closest"})
+    note = "Wall clock of this run's machine; logarithmic bins."
+    return Chart("solve_time", "Solve-time histogram", note, drawn)
+
+
+def _bars(
+    runs: Sequence[Run], index: int, values: Array, edges: Array, unit: style.Unit
+) -> dict[str, Any]:
+    counts, _ = np.histogram(values, edges)
+    scaled = unit.factor * edges
+    return {
+        "type": "bar",
+        "x": np.sqrt(scaled[1:] * scaled[:-1]).tolist(),
+        "width": np.diff(scaled).tolist(),
+        "y": counts.tolist(),
+        "customdata": counts.tolist(),
+        "name": label("solves" if len(runs) == 1 else runs[index].name),
+        "opacity": 1.0 if len(runs) == 1 else 0.6,
+        "marker": {"color": run_line(index)["color"]},
+        "hovertemplate": f"about %{{x:.3g}} {unit.label}: %{{y}} solves",
+    }
+
+
+def _positive(values: Array) -> Array:
+    return np.asarray(values[np.isfinite(values) & (values > 0.0)])
+
+
+def _deadline(run: Run) -> tuple[float, str]:
+    """Return the wall time that a solve may take [s], and its label; 0: not known."""
+    if run.scenario is None:
+        return 0.0, ""
+    period = run.scenario.period
+    if run.scenario.plant.mode == "free_run":
+        deadline = period / run.scenario.plant.real_time_factor
+        return deadline, f"deadline {deadline:g} s"
+    return period, f"control period {period:g} s (lockstep: no deadline)"
+
+
+def _governor(runs: Sequence[Run], points: int) -> Iterator[Chart]:
+    governed = [run for run in runs if series.is_governed(run.trajectory)]
+    if not governed:
+        return
+    traces = one_curve_each(runs, points, lambda run: run.trajectory.alpha, "alpha", **HELD)
+    y = axis("alpha [-]", range=[-0.03, 1.03])
+    note = "Share of the way to the target, or to the next waypoint, that the governor allowed."
+    yield Chart("alpha", "Governor: share of the way", note, figure(traces, [y]))
+
+    def margin(run: Run) -> Array:
+        values = run.trajectory.governor_margin
+        return np.where(np.isfinite(values), values, math.nan)
+
+    margins = list(one_curve_each(runs, points, margin, "margin", **HELD))
+    if margins:
+        zero = level((governed[0].trajectory.time[0], governed[0].metrics["duration"]), 0.0, "limit")
+        note = (
+            "Smallest distance to any constraint over each prediction, in the unit of the "
+            "constraint it belongs to (rad, N m or -)."
+        )
+        y = axis("margin [rad, N m or -]")
+        yield Chart("margin", "Governor: predicted margin", note, figure([*margins, zero], [y]))

@@ -1,0 +1,167 @@
+"""Tables of the report: metrics side by side, warnings, what is known of each recording."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Final, NamedTuple
+
+from spacecraft_gnc.analysis.report.runs import Run
+
+
+class _Row(NamedTuple):
+    """A metric: how to call it, and its unit."""
+
+    label: str
+    key: str
+    unit: str = ""
+    digits: int = 5
+    factor: float = 1.0
+
+
+_ROWS: Final = (
+    _Row("Control steps", "steps"),
+    _Row("Control period", "period", "s"),
+    _Row("Duration", "duration", "s", 8),
+    _Row("Error at the end", "final_error_deg", "deg"),
+    _Row("Error below 5° for good from", "settle_time_5deg", "s"),
+    _Row("Error below 1° for good from", "settle_time_1deg", "s"),
+    _Row("Error below 0.1° for good from", "settle_time_0.1deg", "s"),
+    _Row("Momentum at the end", "final_momentum", "N m s"),
+    _Row("Whole way allowed from", "alpha_one_time", "s"),
+    _Row("Least governor margin", "min_governor_margin"),
+    _Row("Largest torque", "max_torque", "N m", 8),
+    _Row("Torque limit", "torque_limit", "N m", 8),
+    _Row("Steps on the limit", "saturated_steps"),
+    _Row("Sum of stage costs", "cost", "", 8),
+    _Row("Least zone margin", "min_zone_margin_deg", "deg"),
+    _Row("Iterations a solve, median", "iterations_median"),
+    _Row("Iterations a solve, most", "iterations_max"),
+    _Row("Solve time, median", "solve_time_median", "µs", 4, 1e6),
+    _Row("Solve time, 99 %", "solve_time_p99", "µs", 4, 1e6),
+    _Row("Solve time, longest", "solve_time_max", "µs", 4, 1e6),
+    _Row("Solves not converged", "unconverged_steps"),
+    _Row("Steps at a standstill", "stalled_steps"),
+    _Row("Steps leaving a standstill", "escaping_steps"),
+    _Row("Steps on a fallback torque", "fallback_steps"),
+    _Row("Steps answered by neighbouring extremals", "neighboring_share", "%", 4, 100.0),
+    _Row("Largest error of those", "neighboring_error", "N m"),
+    _Row("Incomplete steps", "missing_steps"),
+)
+_BADGES: Final = {True: "passed", False: "failed", None: "unknown"}
+
+
+def summary(runs: Sequence[Run]) -> str:
+    """Return the table of metrics, one column for each run; later ones with the difference."""
+    head = "".join(f'<th scope="col">{_text(run.name)}</th>' for run in runs)
+    lines = [f'<thead><tr><th scope="col">Metric</th>{head}</tr></thead><tbody>']
+    lines += [_line("Flown by", [_method(run) for run in runs])]
+    lines += [_line("Audit", [_badge(run) for run in runs])]
+    lines += [_line("Error is the angle to the", [run.metrics["error_to"] for run in runs])]
+    for row in _ROWS:
+        values = [run.metrics[row.key] for run in runs]
+        if any(value is not None for value in values):
+            unit = f" <span class=unit>[{row.unit}]</span>" if row.unit else ""
+            lines.append(_line(f"{_text(row.label)}{unit}", _cells(row, values)))
+    lines.append(_line("Torque from", [_sources(run) for run in runs]))
+    return f'<table class="summary">{"".join(lines)}</tbody></table>'
+
+
+def warnings(runs: Sequence[Run]) -> str:
+    """Return the box of everything that a reader should know first; empty if there is nothing."""
+    items = [
+        f"<li><b>{_text(run.name)}</b>: {_text(line)}</li>"
+        for run in runs
+        for line in run.warnings()
+    ]
+    if not items:
+        return ""
+    return f'<div class="warnings" role="note"><h2>Warnings</h2><ul>{"".join(items)}</ul></div>'
+
+
+def verdicts(runs: Sequence[Run]) -> str:
+    """Return the verdict of each run's audit in full."""
+    items = [f"<li>{_badge(run)} <b>{_text(run.name)}</b>: {_text(run.verdict.text)}</li>" for run in runs]
+    return f'<ul class="verdicts">{"".join(items)}</ul>'
+
+
+def scenarios(runs: Sequence[Run]) -> str:
+    """Return the scenario of each run, folded up."""
+    return "".join(
+        f"<details><summary>{_text(run.name)}</summary>"
+        f"<pre tabindex=0>{_text(_scenario_text(run))}</pre></details>"
+        for run in runs
+    )
+
+
+def recordings(runs: Sequence[Run]) -> str:
+    """Return host, versions and losses of each recording, folded up."""
+    return "".join(
+        f"<details><summary>{_text(run.name)}</summary>{''.join(_records(run))}</details>"
+        for run in runs
+    )
+
+
+def _records(run: Run) -> Iterator[str]:
+    yield _mapping("source", {"path": str(run.info.path)})
+    for name, record in run.info.metadata.items():
+        if name != "rosbag2":  # a copy of metadata.yaml
+            yield _mapping(name, record)
+
+
+def _mapping(title: str, values: Mapping[str, str]) -> str:
+    rows = "".join(f"<tr><th scope=row>{_text(k)}</th><td>{_text(v)}</td></tr>" for k, v in values.items())
+    return f"<h4>{_text(title)}</h4><table class=record><tbody>{rows}</tbody></table>"
+
+
+def _scenario_text(run: Run) -> str:
+    if run.info.scenario_text:
+        return run.info.scenario_text
+    return run.scenario.to_yaml() if run.scenario is not None else "not recorded"
+
+
+def _line(title: str, cells: Sequence[str]) -> str:
+    return f"<tr><th scope=row>{title}</th>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+
+
+def _cells(row: _Row, values: Sequence[Any]) -> list[str]:
+    first = values[0]
+    return [
+        _number(row, value) + (_difference(row, value, first) if i else "")
+        for i, value in enumerate(values)
+    ]
+
+
+def _number(row: _Row, value: float | None) -> str:
+    return "–" if value is None else f"{row.factor * value:.{row.digits}g}"
+
+
+def _difference(row: _Row, value: float | None, first: float | None) -> str:
+    if value is None or first is None:
+        return ""
+    text = "same" if value == first else f"{row.factor * (value - first):+.3g}"
+    if value != first and first:
+        text += f", {100.0 * (value - first) / abs(first):+.3g} %"
+    return f' <span class="difference">({text})</span>'
+
+
+def _method(run: Run) -> str:
+    if run.scenario is None:
+        return "–"
+    controller, governor = run.scenario.controller, run.scenario.governor.governor
+    parts = [controller.method, f"N = {controller.horizon}"]
+    parts += [f"governor {governor}"] if governor != "none" else []
+    return _text(", ".join(parts))
+
+
+def _badge(run: Run) -> str:
+    word = {True: "passed", False: "failed", None: "not audited"}[run.verdict.passed]
+    return f'<span class="badge {_BADGES[run.verdict.passed]}">{word}</span>'
+
+
+def _sources(run: Run) -> str:
+    names = (f"{name.lower().replace('_', ' ')} {n}" for name, n in run.metrics["sources"].items())
+    return _text(", ".join(names))
+
+
+_text: Callable[[str], str] = html.escape

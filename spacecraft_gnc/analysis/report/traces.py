@@ -1,0 +1,135 @@
+"""Building blocks of the report's diagrams, as plotly.js takes them."""
+
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+
+from spacecraft_gnc.analysis import style
+from spacecraft_gnc.analysis.report.envelope import thin
+from spacecraft_gnc.types import Array
+
+Trace = dict[str, Any]
+_DASHES: Final = ("solid", "dash", "dot", "dashdot")
+_COMPONENT_COLOURS: Final = (*style.AXIS_COLOURS, "#CC79A7")
+_HEIGHT: Final = 320  # [px]
+_ROW_HEIGHT: Final = 165  # [px]
+_GAP: Final = 0.05  # between rows, share of the height
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Values over time, with how to call and to draw them."""
+
+    times: Array
+    values: Array
+    label: str
+    line: Mapping[str, Any]
+    row: int = 0
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+def packed(values: Array) -> dict[str, str]:
+    """Return an array as plotly.js reads it: base64 of little-endian doubles, bit for bit."""
+    data = np.ascontiguousarray(values, dtype="<f8").tobytes()
+    return {"dtype": "f8", "bdata": base64.b64encode(data).decode("ascii")}
+
+
+def label(text: str) -> str:
+    """Return a text that plotly.js shows as it is: its labels understand a little HTML."""
+    return html.escape(text)
+
+
+def component_line(index: int) -> dict[str, Any]:
+    """Return the line of a component x, y, z, w."""
+    return {"color": _COMPONENT_COLOURS[index % 4], "dash": _DASHES[index % 4], "width": 1.7}
+
+
+def run_line(index: int) -> dict[str, Any]:
+    """Return the line of a run beside others."""
+    count = len(style.RUN_COLOURS)
+    return {
+        "color": style.RUN_COLOURS[index % count],
+        "dash": _DASHES[(index + index // count) % len(_DASHES)],
+        "width": 1.7,
+    }
+
+
+def trace(curve: Curve, points: int) -> Trace:
+    """Return the trace of a curve, thinned to ``points``."""
+    drawn = thin(curve.times, curve.values, points)
+    axis = "" if curve.row == 0 else str(curve.row + 1)
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "x": packed(drawn.times),
+        "y": packed(drawn.values),
+        "name": label(curve.label),
+        "line": dict(curve.line),
+        "yaxis": f"y{axis}",
+        "hovertemplate": "%{y:.6g}",
+        **curve.options,
+    }
+
+
+def level(times: Sequence[float], value: float, text: str, **options: Any) -> Trace:
+    """Return a horizontal line from the first to the last of ``times``."""
+    return {
+        "type": "scatter",
+        "mode": "lines",
+        "x": [float(times[0]), float(times[-1])],
+        "y": [value, value],
+        "name": label(text),
+        "line": {"color": style.LIMIT_COLOUR, "dash": "dash", "width": 1.3},
+        "hoverinfo": "skip",
+        **options,
+    }
+
+
+def axis(title: str, **options: Any) -> dict[str, Any]:
+    """Return an axis with the grid and the ticks of every diagram."""
+    return {
+        "title": {"text": title, "standoff": 8},
+        "gridcolor": style.GRID_COLOUR,
+        "linecolor": style.MUTED,
+        "zerolinecolor": style.GRID_COLOUR,
+        "ticks": "outside",
+        "ticklen": 4,
+        "tickcolor": style.MUTED,
+        "automargin": True,
+        "exponentformat": "power",
+        **options,
+    }
+
+
+def figure(
+    traces: Iterable[Trace], y: Sequence[Mapping[str, Any]], x: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return a figure with one diagram for each of ``y``, above each other over one axis ``x``."""
+    rows = len(y)
+    height = (1.0 - _GAP * (rows - 1)) / rows
+    layout: dict[str, Any] = {
+        "height": _HEIGHT if rows == 1 else 90 + _ROW_HEIGHT * rows,
+        "margin": {"l": 64, "r": 14, "t": 10, "b": 46},
+        "font": {"family": "system-ui, sans-serif", "size": 12, "color": style.INK},
+        "paper_bgcolor": "#FFFFFF",
+        "plot_bgcolor": "#FFFFFF",
+        "hovermode": "x unified" if rows == 1 else "x",
+        "legend": {"orientation": "h", "x": 0.0, "y": 1.01, "yanchor": "bottom"},
+        "xaxis": {**(x or axis("time [s]")), "anchor": f"y{rows}" if rows > 1 else "y"},
+    }
+    for i, options in enumerate(y):
+        top = 1.0 - i * (height + _GAP)
+        name = "yaxis" if i == 0 else f"yaxis{i + 1}"
+        layout[name] = {**options, "domain": [max(0.0, top - height), top]}
+    return {"data": list(traces), "layout": layout}
+
+
+def log_axis(title: str, **options: Any) -> dict[str, Any]:
+    """Return a logarithmic axis."""
+    return axis(title, type="log", dtick=None, exponentformat="power", **options)

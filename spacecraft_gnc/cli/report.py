@@ -1,0 +1,80 @@
+"""``gnc report``: one HTML page about one or several flights."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.cli._progress import stages
+from spacecraft_gnc.cli.plot import ScenarioOption, UnfinishedOption
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.report import Run
+
+SourcesArgument = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="BAG|FILE.npz...",
+        help="Bag folder, .mcap file, or .npz of gnc simulate; several are compared with the "
+        "first.",
+        readable=False,
+    ),
+]
+OutOption = Annotated[
+    Path,
+    typer.Option("--out", "-o", metavar="FILE.html", readable=False, help="Where to write it."),
+]
+TitleOption = Annotated[
+    str, typer.Option("--title", help="Heading of the page.  [default: names of the runs]")
+]
+
+
+def report(
+    sources: SourcesArgument,
+    out: OutOption = Path("report.html"),
+    scenario: ScenarioOption = None,
+    title: TitleOption = "",
+    unfinished: UnfinishedOption = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Write one self-contained HTML page: curves, 3-D view, summary, audit of one or more runs."""
+    from spacecraft_gnc.analysis.report import read_run, report_html, run_names, write_report
+
+    known = None
+    if scenario is not None:
+        from spacecraft_gnc.scenario import load
+
+        known = load(scenario)
+    runs = []
+    with stages(len(sources) + 1, silent=quiet or as_json) as done:
+        for path, name in zip(sources, run_names(sources), strict=True):
+            runs.append(read_run(path, name, known, allow_unfinished=unfinished))
+            done(f"read {name}")
+        write_report(report_html(runs, title), out)
+        done("written")
+    _tell(runs, out, as_json=as_json, quiet=quiet)
+
+
+def _tell(runs: list[Run], out: Path, *, as_json: bool, quiet: bool) -> None:
+    for run in runs:
+        for warning in run.warnings():
+            print(f"warning: {run.name}: {warning}", file=sys.stderr)
+    if as_json:
+        print_json({"out": out, "bytes": out.stat().st_size, "runs": [_described(r) for r in runs]})
+    elif not quiet:
+        print(out)
+
+
+def _described(run: Run) -> dict[str, object]:
+    return {
+        "name": run.name,
+        "path": str(run.info.path),
+        "metrics": run.metrics,
+        "audit": {"passed": run.verdict.passed, "text": run.verdict.text},
+        "warnings": run.warnings(),
+    }

@@ -1,0 +1,103 @@
+"""A headless Chromium for the tests of pages: a fixture, and what a test asks of a page.
+
+The fixture is known to every test through conftest.py. Without Chromium a test that uses it is
+skipped with the reason; with the environment variable GNC_REQUIRE_BROWSER=1, as in CI, it fails.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+REQUIRE = "GNC_REQUIRE_BROWSER"
+PATIENCE = 60.0  # [s] until a page must have done what is waited for; never slept through
+WINDOW = (1280, 900)  # [px]
+_CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+_OWN_SCHEMES = ("data:", "blob:", "chrome", "devtools:")
+_FLAGS = (
+    "--headless=new",
+    "--no-sandbox",  # containers run as root
+    "--disable-gpu",
+    "--use-angle=swiftshader",  # WebGL of 3-D diagrams, in software
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--disable-dev-shm-usage",
+    "--force-device-scale-factor=1",
+)
+
+
+@pytest.fixture
+def browser(tmp_path: Path) -> Iterator[Any]:
+    """Yield a selenium driver of a fresh headless Chromium, whose console is recorded."""
+    chromium, driver = _programs()
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    for flag in (*_FLAGS, f"--user-data-dir={tmp_path / 'chromium'}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    service = webdriver.ChromeService(executable_path=driver)
+    window = webdriver.Chrome(options=options, service=service)
+    try:
+        window.set_window_size(*WINDOW)
+        window.set_page_load_timeout(PATIENCE)
+        yield window
+    finally:
+        window.quit()
+
+
+def _programs() -> tuple[str, str]:
+    """Return the paths of Chromium and its driver; skip or fail where one is missing."""
+    chromium = next(filter(None, map(shutil.which, _CHROMIUM)), None)
+    driver = shutil.which("chromedriver")
+    if chromium and driver:
+        return chromium, driver
+    missing = "chromedriver" if chromium else "Chromium"
+    reason = f"{missing} is not installed (apt-get install chromium chromium-driver)"
+    if os.environ.get(REQUIRE) == "1":
+        pytest.fail(f"{reason}, and {REQUIRE}=1 asks for it")
+    pytest.skip(reason)
+
+
+def wait_until(browser: Any, condition: Callable[[], Any], what: str) -> Any:
+    """Return the first true value of ``condition``; fail, with the console, after `PATIENCE`."""
+    from selenium.common.exceptions import TimeoutException
+    from selenium.webdriver.support.ui import WebDriverWait
+
+    try:
+        return WebDriverWait(browser, PATIENCE, poll_frequency=0.05).until(lambda _: condition())
+    except TimeoutException:
+        pytest.fail(f"after {PATIENCE:g} s still not: {what}; console: {console(browser)}")
+
+
+def console(browser: Any) -> list[str]:
+    """Return the lines of the console since the last call, with their levels."""
+    return [f"{item['level']}: {item['message']}" for item in browser.get_log("browser")]
+
+
+def console_errors(browser: Any) -> list[str]:
+    """Return the errors of the console since the last call (uncaught exceptions are among them)."""
+    return [line for line in console(browser) if line.startswith("SEVERE")]
+
+
+def requested_urls(browser: Any) -> list[str]:
+    """Return the addresses that pages asked for since the last call, not the browser's own."""
+    events = (json.loads(item["message"])["message"] for item in browser.get_log("performance"))
+    urls = (
+        event["params"]["request"]["url"]
+        for event in events
+        if event["method"] == "Network.requestWillBeSent"
+    )
+    return [url for url in urls if not url.startswith(_OWN_SCHEMES)]
