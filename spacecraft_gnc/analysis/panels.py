@@ -250,7 +250,9 @@ def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:
         Line2D([], [], color=style.INK, linestyle=(0, (3.5, 2.0)), label="start"),
         Line2D([], [], color=style.INK, label="end"),
     ]
-    for kind, color in ((kind, style.ZONE_COLOURS[kind]) for kind in sorted({z.kind for z in zones})):
+    for kind, color in (
+        (kind, style.ZONE_COLOURS[kind]) for kind in sorted({z.kind for z in zones})
+    ):
         patch = Line2D([], [], color=color, linewidth=6, alpha=0.5, label=f"{kind} zone")
         meaning.append(patch)
     # A legend is filled column by column: pair the two rows, blanks where one is shorter.

@@ -40,7 +40,10 @@ COMMANDS: Final = {
     ),
     "plot": _Command(f"{_PACKAGE}.plot:plot", "Draw the figures of a flight."),
     "inspect": _Command(
-        f"{_PACKAGE}.inspect:inspect", "Look into a running graph: nodes, topics, messages, rates."
+        f"{_PACKAGE}.inspect:inspect", "Look into a running graph: topics, rates, parameters."
+    ),
+    "view": _Command(
+        f"{_PACKAGE}.view:view", "Watch a flight in the browser: a running graph, or a bag."
     ),
     "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
     "bench": _Command(f"{_PACKAGE}.bench:bench", "Measure how fast this machine flies."),

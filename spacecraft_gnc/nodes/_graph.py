@@ -37,9 +37,11 @@ class GraphView:
     ----------
     domain_id
         ROS_DOMAIN_ID of the graph.
+    take_interrupts
+        Whether Ctrl-C ends what is awaited here; otherwise the owner deals with it.
     """
 
-    def __init__(self, domain_id: int) -> None:
+    def __init__(self, domain_id: int, *, take_interrupts: bool = True) -> None:
         self.domain_id = domain_id
         prepare(os.environ)
         options = SignalHandlerOptions.NO
@@ -48,7 +50,8 @@ class GraphView:
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
         self._interrupted = False
-        signal.signal(signal.SIGINT, self._interrupt)
+        if take_interrupts:
+            signal.signal(signal.SIGINT, self._interrupt)
 
     def __enter__(self) -> Self:
         """Return the view."""

@@ -66,9 +66,7 @@ class Chart:
 
     def data(self) -> dict[str, Any]:
         """Return what the script of the page needs."""
-        variants = [
-            {"name": v.name, "note": v.note, "figure": v.figure} for v in self.variants
-        ]
+        variants = [{"name": v.name, "note": v.note, "figure": v.figure} for v in self.variants]
         return {
             "name": self.name,
             "figure": self.figure or self.variants[0].figure,

@@ -113,9 +113,7 @@ def _chart(chart: Chart) -> str:
             f'<option value="{i}">{html.escape(variant.label)}</option>'
             for i, variant in enumerate(chart.variants)
         )
-        controls = (
-            f'<label class=control>shown as <select data-variants="{name}">{options}</select></label>'
-        )
+        controls = f'<label class=control>shown as <select data-variants="{name}">{options}</select></label>'
     note = chart.note or (chart.variants[0].note if chart.variants else "")
     wide = " wide" if chart.wide else ""
     return (

@@ -95,8 +95,7 @@ def _bar(source: int) -> dict[str, Any]:
         "x": [],
         "customdata": [],
         "marker": {"color": colour, "line": {"width": 0}},
-        "hovertemplate": "%{customdata[0]:.6g} s to %{customdata[1]:.6g} s: "
-        "%{customdata[2]} steps",
+        "hovertemplate": "%{customdata[0]:.6g} s to %{customdata[1]:.6g} s: %{customdata[2]} steps",
     }
 
 

@@ -56,7 +56,9 @@ class Run:
             if count not in ("0", "") and not topic.endswith(WALL_TIMING):
                 lines.append(f"the recorder counted {count} lost steps on {topic}")
         if self.metrics["missing_steps"]:
-            lines.append(f"{self.metrics['missing_steps']} steps are incomplete: gaps in the curves")
+            lines.append(
+                f"{self.metrics['missing_steps']} steps are incomplete: gaps in the curves"
+            )
         if self.metrics["unconverged_steps"]:
             lines.append(f"{self.metrics['unconverged_steps']} solves did not converge")
         if self.metrics["fallback_steps"]:

@@ -93,9 +93,7 @@ def _curvature(runs: Sequence[Run], points: int) -> Iterator[Chart]:
 
 def _radius(runs: Sequence[Run], points: int) -> Iterator[Chart]:
     traces = list(
-        one_curve_each(
-            runs, points, lambda run: run.telemetry.closed_loop_radius, "radius", **HELD
-        )
+        one_curve_each(runs, points, lambda run: run.telemetry.closed_loop_radius, "radius", **HELD)
     )
     if traces:
         span = (runs[0].trajectory.time[0], max(run.metrics["duration"] for run in runs))
@@ -187,7 +185,9 @@ def _governor(runs: Sequence[Run], points: int) -> Iterator[Chart]:
 
     margins = list(one_curve_each(runs, points, margin, "margin", **HELD))
     if margins:
-        zero = level((governed[0].trajectory.time[0], governed[0].metrics["duration"]), 0.0, "limit")
+        zero = level(
+            (governed[0].trajectory.time[0], governed[0].metrics["duration"]), 0.0, "limit"
+        )
         note = (
             "Smallest distance to any constraint over each prediction, in the unit of the "
             "constraint it belongs to (rad, N m or -)."

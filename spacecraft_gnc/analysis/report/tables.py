@@ -81,7 +81,10 @@ def warnings(runs: Sequence[Run]) -> str:
 
 def verdicts(runs: Sequence[Run]) -> str:
     """Return the verdict of each run's audit in full."""
-    items = [f"<li>{_badge(run)} <b>{_text(run.name)}</b>: {_text(run.verdict.text)}</li>" for run in runs]
+    items = [
+        f"<li>{_badge(run)} <b>{_text(run.name)}</b>: {_text(run.verdict.text)}</li>"
+        for run in runs
+    ]
     return f'<ul class="verdicts">{"".join(items)}</ul>'
 
 
@@ -110,7 +113,9 @@ def _records(run: Run) -> Iterator[str]:
 
 
 def _mapping(title: str, values: Mapping[str, str]) -> str:
-    rows = "".join(f"<tr><th scope=row>{_text(k)}</th><td>{_text(v)}</td></tr>" for k, v in values.items())
+    rows = "".join(
+        f"<tr><th scope=row>{_text(k)}</th><td>{_text(v)}</td></tr>" for k, v in values.items()
+    )
     return f"<h4>{_text(title)}</h4><table class=record><tbody>{rows}</tbody></table>"
 
 
