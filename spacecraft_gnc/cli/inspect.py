@@ -8,14 +8,13 @@ import typer
 
 from spacecraft_gnc.cli._common import (
     JsonOption,
-    QuietOption,
     RunFailed,
     is_interactive,
     print_json,
     print_table,
 )
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain
-from spacecraft_gnc.cli._inspect_messages import delay, echo, hz
+from spacecraft_gnc.cli._inspect_messages import JsonLinesOption, delay, echo, hz
 from spacecraft_gnc.cli._inspect_params import NodeArgument, params
 
 inspect = typer.Typer(
@@ -117,10 +116,9 @@ def watch(
         str, typer.Option(help="Of the spacecraft, where there are several.")
     ] = "",
     domain_id: DomainOption = None,
-    as_json: JsonOption = False,
-    quiet: QuietOption = False,
+    as_json: JsonLinesOption = False,
 ) -> None:
-    """Watch a flight: state, error, torque, solver, governor, rates; Ctrl-C ends."""
+    """Watch a flight to its end: state, error, torque, solver, governor, rates."""
     from spacecraft_gnc.cli._dashboard import watch as show
 
     style = "json" if as_json else "live" if is_interactive() and not once else "plain"

@@ -7,13 +7,14 @@ from typing import Any, ClassVar, NamedTuple
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import ParameterDescriptor, ParameterType
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._graph import GraphError, GraphView
 
+NOT_SET = ParameterType.PARAMETER_NOT_SET
 _PATIENCE = 5.0  # [s] wall for a node to answer
 _TRANSITION_PATIENCE = 60.0  # [s] wall for a transition; kernels may have to be compiled
 _RETRY = 1.0  # [s] a reply is lost if it leaves before the node has discovered us: ask again
@@ -66,14 +67,24 @@ class RemoteParameters:
         return sorted(answer.result.names)
 
     def values(self, names: Sequence[str]) -> dict[str, Any]:
-        """Return values by name; None for what the node does not have."""
-        answer = _ask(self._view, self.name, lambda: self._client.get_parameters(list(names)))
-        if len(answer.values) != len(names):  # rclcpp answers nothing where one is unknown
+        """Return values by name; None for what is declared but not set.
+
+        Raises
+        ------
+        ParameterRefused
+            The node does not have all of them.
+        """
+        # One that is declared but not set makes a node answer nothing at all: leave those out.
+        types = _ask(self._view, self.name, lambda: self._client.get_parameter_types(list(names)))
+        if len(types.types) != len(names):
             raise ParameterRefused(
                 f"{self.name}: does not have all of {', '.join(names)}; required declared "
                 "parameters; list them with `gnc inspect params NODE`"
             )
-        return dict(zip(names, map(_plain, answer.values), strict=True))
+        given = [name for name, kind in zip(names, types.types, strict=True) if kind != NOT_SET]
+        answer = _ask(self._view, self.name, lambda: self._client.get_parameters(given))
+        found = dict(zip(given, map(_plain, answer.values), strict=True))
+        return {name: found.get(name) for name in names}
 
     def describe(self, names: Sequence[str]) -> list[ParameterInfo]:
         """Return what there is to know of parameters that the node has."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, Final
 
 from rclpy.node import Node
@@ -11,6 +12,7 @@ from rclpy.parameter_client import AsyncParameterClient
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._params import ROS_OWN
+from spacecraft_gnc.nodes._remote import NOT_SET
 from spacecraft_gnc.nodes._topics import CONTROLLER, GOVERNOR, PLANT
 from spacecraft_gnc.scenario import Scenario, from_sections
 
@@ -61,7 +63,7 @@ class SetupReader:
 
 
 class _Question:
-    """One node's parameters: first their names, then their values."""
+    """One node's parameters: first their names, then their types, then their values."""
 
     def __init__(self, node: Node, name: str, proof: str) -> None:
         self._client = AsyncParameterClient(node, name)
@@ -71,8 +73,8 @@ class _Question:
     def restart(self) -> None:
         self.values: dict[str, Any] = {}
         self._asked = -math.inf
-        self._names: Any = None
         self._answer: Any = None
+        self._take: Callable[[Any], None] = self._take_names
 
     @property
     def is_there(self) -> bool:
@@ -82,15 +84,27 @@ class _Question:
         if self.values or not self.is_there:
             return
         if now - self._asked >= _RETRY:
-            self._asked, self._answer = now, None
-            self._names = self._client.list_parameters()
-        elif self._answer is None and self._names is not None and self._names.done():
-            names = sorted(set(self._names.result().result.names) - set(ROS_OWN))
-            if self._proof in names:
-                self._wanted = names
-                self._answer = self._client.get_parameters(names)
-            self._names = None
+            self._asked = now
+            self._ask(self._client.list_parameters(), self._take_names)
         elif self._answer is not None and self._answer.done():
-            values = map(parameter_value_to_python, self._answer.result().values)
-            found = zip(self._wanted, values, strict=True)
-            self.values = {n: v for n, v in found if not n.startswith("qos_overrides.")}
+            answer, self._answer = self._answer.result(), None
+            self._take(answer)
+
+    def _ask(self, question: Any, take: Callable[[Any], None]) -> None:
+        self._answer, self._take = question, take
+
+    def _take_names(self, answer: Any) -> None:
+        self._names = sorted(set(answer.result.names) - set(ROS_OWN))
+        if self._proof in self._names:  # else it is not configured yet
+            self._ask(self._client.get_parameter_types(self._names), self._take_types)
+
+    def _take_types(self, answer: Any) -> None:
+        # One that is declared but not set makes a node answer nothing at all.
+        known = zip(self._names, answer.types, strict=False)
+        self._names = [name for name, kind in known if kind != NOT_SET]
+        self._ask(self._client.get_parameters(self._names), self._take_values)
+
+    def _take_values(self, answer: Any) -> None:
+        values = map(parameter_value_to_python, answer.values)
+        found = zip(self._names, values, strict=False)
+        self.values = {n: v for n, v in found if not n.startswith("qos_overrides.")}

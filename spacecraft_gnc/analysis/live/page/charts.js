@@ -41,7 +41,7 @@ function label(pen, text, x, y, align, colour = TEXT) {
 function ticks(low, high, count) {
   const rough = (high - low) / count;
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * [1, 2, 5, 10].find((m) => m * power >= rough * 0.999);
+  const step = power * [1, 2, 2.5, 5, 10].find((m) => m * power >= rough * 0.999);
   const found = [];
   for (let t = Math.ceil(low / step); t * step <= high + 1e-9 * step; t += 1) found.push(t * step);
   return found;
@@ -67,7 +67,7 @@ export function drawTorque(canvas, torque, limit, largest, colours) {
     const full = limit > 0 && Math.abs(value) >= 0.999 * limit;
     pen.fillStyle = full ? colours.bad : colours[axis] ?? "#c9d3df";
     pen.fillRect(Math.min(zero, zero + length), y - row * 0.3, Math.abs(length), row * 0.6);
-    label(pen, `${(value * factor).toFixed(3)} ${name}N m`, w - 4, y, "right", "#e6ebf1");
+    label(pen, `${+(value * factor).toPrecision(3)} ${name}N m`, w - 4, y, "right", "#e6ebf1");
   });
   line(pen, zero, 0, zero, h, TEXT, 1);
   if (limit > 0) {
@@ -100,7 +100,7 @@ export function drawStrip(canvas, times, series, span, now, { log = false, facto
   const [y0, y1] = [h - MARGIN.bottom, MARGIN.top];
   const x = (t) => x0 + ((x1 - x0) * (t - span[0])) / (span[1] - span[0]);
   const y = (v) => y0 + ((y1 - y0) * (v - low)) / (high - low);
-  const decades = ticks(low, high, 4).filter((v) => !log || Number.isInteger(Math.round(v * 1e6) / 1e6));
+  const decades = ticks(low, high, 5).filter((v) => !log || Number.isInteger(Math.round(v * 1e6) / 1e6));
   for (const v of decades) {
     line(pen, x0, y(v), x1, y(v), GRID, 1);
     label(pen, log ? decade(v) : `${+v.toPrecision(6)}`, x0 - 6, y(v), "right");

@@ -4,7 +4,7 @@
 const AXES = ["x", "y", "z"];
 const FAR = 0.22; // opacity of the far side
 const RIM = 72; // points of a circle
-const RADIUS = 0.4; // of the sphere, in widths of the canvas
+const RADIUS = 0.41; // of the sphere, in widths of the canvas
 const TURN = 0.008; // [rad] for each pixel of a drag
 const HALF = [0.17, 0.12, 0.12]; // half sides of the body
 const PANELS = [[0, 0.36, 0], [0, -0.36, 0]]; // centres of the solar panels
@@ -114,7 +114,7 @@ export class Scene {
     pen.lineWidth = 1;
     pen.stroke();
     [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, i) => {
-      const [foot, tip, label] = [1, 1.08, 1.15].map((f) => this.#project(axis.map((v) => f * v)));
+      const [foot, tip, label] = [1, 1.09, 1.16].map((f) => this.#project(axis.map((v) => f * v)));
       pen.globalAlpha = foot[2] >= 0 ? 1 : 0.45;
       this.#line(foot, tip, "#93a1b1", 1.2);
       this.#text(AXES[i].toUpperCase(), label, "#93a1b1");
