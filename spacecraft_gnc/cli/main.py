@@ -39,6 +39,10 @@ COMMANDS: Final = {
         f"{_PACKAGE}.check:check", "Check a scenario file; list every problem at once."
     ),
     "plot": _Command(f"{_PACKAGE}.plot:plot", "Draw the figures of a flight."),
+    "replay": _Command(
+        f"{_PACKAGE}.replay:replay",
+        "Play a bag into a live graph, or solve its steps again with another controller.",
+    ),
     "inspect": _Command(
         f"{_PACKAGE}.inspect:inspect", "Look into a running graph: topics, rates, parameters."
     ),

@@ -62,7 +62,7 @@ class ClosedLoop:
         for core in (self.plant, self.controller, self.governor):
             core.warm_up()
             core.reset()
-        log = _Log(self.plant.n_steps, self.plant.period)
+        log = FlightLog(self.plant.n_steps, self.plant.period)
         state = self.plant.state
         reference = None
         for k in range(self.plant.n_steps):
@@ -78,8 +78,8 @@ class ClosedLoop:
         return log.finish(state, reference)
 
 
-class _Log:
-    """Preallocated arrays of a `Trajectory`."""
+class FlightLog:
+    """Preallocated arrays of a `Trajectory` of ``n`` control steps of ``period`` [s]."""
 
     def __init__(self, n: int, period: float) -> None:
         self.period = period

@@ -15,6 +15,7 @@ from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._metadata import METADATA_NAME
 from spacecraft_gnc.recording._scan import Progress, scan
+from spacecraft_gnc.recording.qos import QosProfile
 from spacecraft_gnc.recording.recover import MAGIC, rewrite
 
 MCAP_SUFFIX: Final = ".mcap"
@@ -73,6 +74,39 @@ class Bag:
             with _damage(self.path):
                 yield from scan(file, topics, progress)
 
+    def timed(self, topics: Collection[str], from_ns: int = 0) -> Iterator[tuple[int, str, bytes]]:
+        """Yield (log time [ns], topic, serialized message) in their order, from a log time on.
+
+        Raises
+        ------
+        RecordingError
+            If the file is damaged.
+        """
+        chosen = [item for item in self._reader.connections if item.topic in topics]
+        if not chosen:
+            return
+        with _damage(self.path):
+            for connection, stamp, data in self._reader.messages(chosen, start=from_ns):
+                yield stamp, connection.topic, bytes(data)
+
+    @property
+    def span_ns(self) -> tuple[int, int]:
+        """Log times of the first and the last message [ns]; the last before the first: none."""
+        return self._reader.start_time, self._reader.end_time - 1
+
+    def offered_qos(self, topic: str) -> list[QosProfile]:
+        """Return the recorded profiles of a topic's publishers."""
+        found: list[Any] = []
+        for connection in self._reader.connections:
+            if connection.topic == topic:
+                found += getattr(connection.ext, "offered_qos_profiles", [])
+        return [_profile(qos) for qos in found]
+
+    def definition(self, topic: str) -> str:
+        """Return the recorded text of a topic's message definition; empty where there is none."""
+        texts = (c.msgdef.data for c in self._reader.connections if c.topic == topic)
+        return next(texts, "")
+
     def type_hash(self, topic: str) -> str:
         """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""
         with _damage(self.path):
@@ -108,6 +142,23 @@ class Bag:
         """Open the files once more, for the records that the bag reader leaves out."""
         with ExitStack() as stack:
             yield [make_reader(stack.enter_context(file.open("rb"))) for file in self._files]
+
+
+def _profile(qos: Any) -> QosProfile:
+    return QosProfile(
+        history=qos.history.name.lower(),
+        depth=qos.depth,
+        reliability=qos.reliability.name.lower(),
+        durability=qos.durability.name.lower(),
+        deadline_ns=_nanoseconds(qos.deadline),
+        lifespan_ns=_nanoseconds(qos.lifespan),
+        liveliness=qos.liveliness.name.lower(),
+        liveliness_lease_ns=_nanoseconds(qos.liveliness_lease_duration),
+    )
+
+
+def _nanoseconds(time: Any) -> int:
+    return int(time.sec * 10**9 + time.nsec)
 
 
 @contextmanager

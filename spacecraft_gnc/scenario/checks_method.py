@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from spacecraft_gnc.scenario import registry
@@ -69,6 +70,17 @@ def check_method(checked: Checked) -> None:
         if checked.is_changed(_CONTROLLER, name):
             need = "nominal_rotation_vector beside it, as there is no nominal run without"
             _complain(checked, name, need, "give nominal_rotation_vector, or remove it")
+
+
+def unread_by(method: str, names: Iterable[str]) -> Iterator[str]:
+    """Yield those of a controller's parameters that a method of this package would ignore."""
+    built_in = registry.BUILT_IN["controllers"].get(method)
+    if built_in is None:
+        return
+    for name in names:
+        ignored = method not in READERS.get(name, (method,))
+        if ignored or (name == "variant" and not built_in.variants):
+            yield name
 
 
 def _check_variant(checked: Checked, method: str, known: tuple[str, ...]) -> None:

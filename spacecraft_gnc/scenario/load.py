@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from spacecraft_gnc.scenario.checked import Checked, check_values, merged_sections
 from spacecraft_gnc.scenario.checks import check_all
+from spacecraft_gnc.scenario.checks_method import unread_by
 from spacecraft_gnc.scenario.declare import flatten, spec_of, unflatten
 from spacecraft_gnc.scenario.parameter import Value, specs_of, typed
 from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
@@ -25,6 +26,7 @@ from spacecraft_gnc.scenario.schema import (
 from spacecraft_gnc.scenario.values import plain
 from spacecraft_gnc.scenario.yaml_file import WILDCARD, Entry, Given, parse_value, read
 
+_CONTROLLER: Final = "nmpc_controller"
 Overrides = Mapping[str, Any] | Sequence[str]
 """``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``."""
 
@@ -122,12 +124,81 @@ def from_sections(
             need = f"one of {', '.join(SECTIONS)}"
             problems.append(Problem(source, None, section, "an unknown node", need, remedy))
             continue
-        given[section] = {
-            name: Entry(plain(value), source, coerce=True)
-            for name, value in flatten(values).items()
-            if value is not None
-        }
+        given[section] = _entries(values, source)
     return _scenario(given, source, problems)
+
+
+def revise(
+    scenario: Scenario, overrides: Overrides = (), method: str | None = None
+) -> tuple[Scenario, tuple[str, ...]]:
+    """Return a scenario for another controller along a flight that was flown under ``scenario``.
+
+    Where a governor moved the reference, it has done its work: it is left out, and so is the start,
+    from which the new controller need not reach the target by itself.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What flew.
+    overrides : mapping or sequence of str
+        As for `load`.
+    method : str, optional
+        The other ``nmpc_controller.method``.
+
+    Returns
+    -------
+    Scenario, tuple of str
+        The revised one, and the names of the controller's parameters that were left out because
+        the new method does not read them.
+
+    Raises
+    ------
+    InvalidScenario
+        With every problem at once.
+    """
+    given = _given_along_a_flight(scenario)
+    problems: list[Problem] = []
+    laid_over: Given = {_CONTROLLER: {}}
+    _apply(overrides, laid_over, problems)
+    if method is not None:
+        laid_over[_CONTROLLER]["method"] = Entry(plain(method), "--method", coerce=True)
+    chosen = laid_over[_CONTROLLER].get("method")
+    unread: tuple[str, ...] = ()
+    if chosen is not None and chosen.value != scenario.controller.method:
+        values = scenario.values[_CONTROLLER]
+        changed = [name for name in given[_CONTROLLER] if values[name] != _default(name, values)]
+        unread = tuple(unread_by(str(chosen.value), changed))
+    for name in unread:
+        del given[_CONTROLLER][name]
+    for section, entries in laid_over.items():
+        given.setdefault(section, {}).update(entries)
+    return _scenario(given, scenario.path, problems), unread
+
+
+def _given_along_a_flight(scenario: Scenario) -> Given:
+    """Return what was given, less what only a start and a target have to meet."""
+    sections = {name: flatten(values) for name, values in scenario.sections.items()}
+    if scenario.governor.governor != "none":
+        target = scenario.governor.target_rotation_vector
+        sections["reference_governor"] = {"target_rotation_vector": target}
+        plant = sections.setdefault("plant", {})
+        plant |= {"initial_rotation_vector": target, "initial_momentum": None}
+    sections.setdefault(_CONTROLLER, {})
+    sections.setdefault("launcher", {})["cut_short"] = True  # no target has to be reached
+    return {name: _entries(values, scenario.path) for name, values in sections.items()}
+
+
+def _default(name: str, values: Mapping[str, Value]) -> Value | None:
+    spec = spec_of(_CONTROLLER, name, values[name])
+    return None if spec is None else spec.default
+
+
+def _entries(values: Mapping[str, Any], source: str) -> dict[str, Entry]:
+    return {
+        name: Entry(plain(value), source, coerce=True)
+        for name, value in flatten(values).items()
+        if value is not None
+    }
 
 
 def _scenario(given: Given, source: str, problems: list[Problem]) -> Scenario:

@@ -1,0 +1,193 @@
+"""``gnc replay --publish``: a bag into a live graph."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from spacecraft_gnc.cli._common import print_json
+from spacecraft_gnc.cli._keys import pressed_keys
+from spacecraft_gnc.cli._progress import show_progress
+from spacecraft_gnc.errors import ParameterError, RecordingError
+from spacecraft_gnc.launcher import domain, environment
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.nodes._play_clock import PlayClock
+    from spacecraft_gnc.nodes.player import Plan, Played
+    from spacecraft_gnc.recording.playback import Playback
+
+AS_FAST_AS_IT_GOES: Final = "max"
+_KEYS: Final = "space pauses, left and right go 10 s, up and down double and halve the rate, q ends"
+
+
+class Playing(NamedTuple):
+    """What the user asks of the player."""
+
+    source: Path
+    rate: str
+    start: float
+    paused: bool
+    loop: bool
+    topics: list[str]
+    expected: list[str]
+    patience: float
+    domain_id: int | None
+    unfinished: bool
+    as_json: bool
+    quiet: bool
+
+
+def play(wish: Playing) -> None:
+    """Publish a bag and report what was published."""
+    from spacecraft_gnc.recording.bag import open_bag
+    from spacecraft_gnc.recording.playback import Playback
+
+    rate = parse_rate(wish.rate)
+    if not 0.0 <= wish.patience < float("inf"):
+        raise ParameterError(
+            f"--patience: received {wish.patience:g} s; required a finite number >= 0; give for example "
+            "2.0"
+        )
+    if wish.source.suffix == ".npz" and wish.source.is_file():
+        raise RecordingError(
+            f"{wish.source}: received arrays of gnc simulate; required a bag, whose messages are "
+            "published as they were recorded; fly with gnc launch"
+        )
+    with open_bag(wish.source, allow_unfinished=wish.unfinished) as bag:
+        playback = Playback(bag, wish.topics)
+        if not 0.0 <= wish.start <= playback.duration:
+            raise ParameterError(
+                f"--start: received {wish.start:g} s; required 0 to {playback.duration:g} s, the "
+                "length of the bag; choose a place in it"
+            )
+        _require_played(playback, wish.expected)
+        with _own_domain(wish) as domain_id:
+            from spacecraft_gnc.nodes.player import Plan
+
+            plan = Plan(
+                rate,
+                wish.start,
+                wish.paused,
+                wish.loop,
+                _full_names(playback, wish.expected),
+                wish.patience,
+            )
+            _run(wish, playback, plan, domain_id)
+
+
+def parse_rate(text: str) -> float:
+    """Return a rate; 0 stands for as fast as it goes.
+
+    Raises
+    ------
+    ParameterError
+        If it is negative, infinite or no number.
+    """
+    if text.strip().lower() == AS_FAST_AS_IT_GOES:
+        return 0.0
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = -1.0
+    if not 0.0 <= rate < float("inf"):
+        raise ParameterError(
+            f"--rate: received {text!r}; required a number >= 0, where 0 or "
+            f"{AS_FAST_AS_IT_GOES!r} means as fast as it goes; give for example 1.0"
+        )
+    return rate
+
+
+def _matching(playback: Playback, word: str) -> list[str]:
+    short = word.strip("/")
+    return [n for n in playback.topics if n.strip("/") == short or n.rpartition("/")[2] == short]
+
+
+def _require_played(playback: Playback, expected: list[str]) -> None:
+    for word in expected:
+        if not _matching(playback, word):
+            raise ParameterError(
+                f"--wait-for: received {word!r}; required a topic that is played: "
+                f"{', '.join(sorted(playback.topics))}; correct the name"
+            )
+
+
+def _full_names(playback: Playback, words: list[str]) -> tuple[str, ...]:
+    return tuple(name for word in words for name in _matching(playback, word))
+
+
+@contextmanager
+def _own_domain(wish: Playing) -> Iterator[int]:
+    """Hold a domain, and the right to its clock, as the launcher and the plant do."""
+    about = {"scenario": f"replay of {wish.source}"}
+    given = wish.domain_id
+    if given is None and os.environ.get(environment.DOMAIN_ID):
+        given = environment.domain_id(os.environ)
+    graph = domain.claim_free(about) if given is None else domain.claim_given(given, about)
+    clock = domain.claim(domain.CLOCK, graph.domain_id, about)
+    try:
+        yield graph.domain_id
+    finally:
+        clock.release()
+        graph.release()
+
+
+def _run(wish: Playing, playback: Playback, plan: Plan, domain_id: int) -> None:
+    from spacecraft_gnc.nodes.player import Player
+
+    silent = wish.quiet or wish.as_json
+    with Player(playback, plan, domain_id) as player, pressed_keys() as key:
+        if not silent:
+            print(
+                f"{wish.source}: {playback.duration:g} s on ROS_DOMAIN_ID={domain_id}; look at it "
+                f"with gnc inspect topics --domain-id {domain_id}",
+                flush=True,
+            )
+            if key is not None:
+                print(_KEYS, flush=True)
+        for name, reason in player.skipped.items():
+            print(f"warning: {name} is not played: {reason}", file=sys.stderr, flush=True)
+        player.await_subscribers()
+        if wish.expected and player.played.unheard:
+            unheard = ", ".join(player.played.unheard)
+            text = f"warning: nobody listens to {unheard} after {plan.patience:g} s"
+            print(text, file=sys.stderr, flush=True)
+        with show_progress("playing", silent=silent) as progress:
+
+            def watch(clock: PlayClock, position: float) -> str | None:
+                state = "paused" if clock.paused else f"at rate {clock.rate:g}"
+                state = state if clock.paused or clock.rate else "as fast as it goes"
+                progress(int(position), int(playback.duration), f"playing {state} [s]")
+                return None if key is None else key()
+
+            played = player.run(watch)
+    _report(wish, playback, played, player.skipped, domain_id)
+
+
+def _report(
+    wish: Playing, playback: Playback, played: Played, skipped: dict[str, str], domain_id: int
+) -> None:
+    for name in played.overrun:
+        print(f"warning: a subscriber of {name} did not keep up", file=sys.stderr)
+    count = sum(played.messages.values())
+    if wish.as_json:
+        answer: dict[str, Any] = {
+            "source": wish.source,
+            "domain_id": domain_id,
+            "duration": playback.duration,
+            "position": played.position,
+            "wall_time": played.wall_time,
+            "messages": played.messages,
+            "skipped": skipped,
+            "unheard": played.unheard,
+            "overrun": played.overrun,
+            "rounds": played.rounds,
+            "interrupted": played.interrupted,
+        }
+        print_json(answer)
+    elif not wish.quiet:
+        ended = f"ended at {played.position:g} s" if played.interrupted else "played to its end"
+        print(f"{wish.source}: {ended}, {count} messages in {played.wall_time:.3g} s")

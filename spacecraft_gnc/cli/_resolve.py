@@ -1,0 +1,211 @@
+"""``gnc replay`` without a graph: every recorded step solved again, and the table beside it."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+from spacecraft_gnc.cli._common import RunFailed, print_json
+from spacecraft_gnc.cli._progress import show_progress
+from spacecraft_gnc.errors import ParameterError, RecordingError
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.resolve import Resolved
+    from spacecraft_gnc.recording.reader import Flight
+    from spacecraft_gnc.scenario import Scenario
+
+_STEPS: Final = re.compile(r"(\d*):(\d*)")
+_CONTROLLER: Final = "nmpc_controller"
+
+
+class Solving(NamedTuple):
+    """What the user asks of another controller."""
+
+    source: Path
+    method: str | None
+    overrides: list[str]
+    scenario: Path | None
+    steps: str | None
+    cold: bool
+    unfinished: bool
+    out: Path | None
+    as_json: bool
+    quiet: bool
+
+
+def solve_again(wish: Solving) -> None:
+    """Compare a recorded flight with what another controller would have commanded.
+
+    Raises
+    ------
+    RunFailed
+        If the controller that flew does not command the same again, where it has to.
+    """
+    from spacecraft_gnc.analysis.resolve import resolve
+    from spacecraft_gnc.analysis.resolve_report import compare
+    from spacecraft_gnc.recording.reader import load_run
+    from spacecraft_gnc.scenario import revise
+
+    flight = load_run(wish.source, allow_unfinished=wish.unfinished)
+    recorded = _scenario(flight, wish.scenario)
+    revised, unread = revise(recorded, wish.overrides, wish.method)
+    same = revised.values[_CONTROLLER] == recorded.values[_CONTROLLER]
+    steps = _steps(wish.steps, flight.trajectory.n_steps)
+    with show_progress("solving", silent=wish.quiet or wish.as_json) as progress:
+        resolved = resolve(
+            flight.trajectory,
+            recorded,
+            recorded if same else revised,
+            steps=steps,
+            cold=wish.cold,
+            progress=progress,
+        )
+    check = None
+    if same and _must_repeat(wish, flight, recorded, resolved):
+        check = "exact" if resolved.first_difference is None else "differs"
+    numbers = compare(resolved, recorded, revised) | {"check": check}
+    files: list[Path] = []
+    if wish.out is not None:
+        files = _draw(wish.source, wish.out, resolved, (recorded, revised))
+    for warning in flight.info.warnings():
+        print(f"warning: {warning}", file=sys.stderr)
+    if wish.as_json:
+        print_json({"source": wish.source, "cold": wish.cold, "not_read": unread, **numbers})
+    elif not wish.quiet:
+        _print(wish, flight, numbers, unread)
+        for file in files:
+            print(file)
+    if check == "differs":
+        raise RunFailed(
+            f"{wish.source}: step {numbers['first_difference']}: {recorded.controller.method} "
+            "commands another torque than it did in this lockstep flight; required the same bit "
+            "for bit; were bag, version of the package and machine the same?"
+        )
+
+
+def _scenario(flight: Flight, path: Path | None) -> Scenario:
+    """Return the scenario named on the command line, or else the one in the bag."""
+    if path is not None:
+        from spacecraft_gnc.scenario import load
+
+        return load(path)
+    info = flight.info
+    if info.scenario is None:
+        reason = f" that this version reads ({info.scenario_problem})"
+        raise RecordingError(
+            f"{info.path}: received a flight without a scenario"
+            f"{reason if info.scenario_problem else ''}; required the one that flew, whose "
+            "controller is to be compared; name it with --scenario"
+        )
+    return info.scenario
+
+
+def _steps(text: str | None, n_steps: int) -> tuple[int, int]:
+    """Return the first step and the one after the last of ``A:B``."""
+    if text is None:
+        return 0, n_steps
+    match = _STEPS.fullmatch(text.strip())
+    if match is None:
+        raise ParameterError(
+            f"--steps: received {text!r}; required A:B, two step numbers of which either may be "
+            f"left out; give for example 0:{n_steps}"
+        )
+    return int(match[1] or 0), int(match[2] or n_steps)
+
+
+def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Resolved) -> bool:
+    """Tell whether a controller has to command again what it did: the same past, step by step."""
+    disturbed = flight.info.missing or flight.info.overridden
+    whole_past = resolved.steps[0] == 0 and not wish.cold
+    return whole_past and not disturbed and recorded.plant.mode == "lockstep"
+
+
+def _draw(
+    source: Path, folder: Path, resolved: Resolved, scenarios: tuple[Scenario, Scenario]
+) -> list[Path]:
+    from spacecraft_gnc.analysis.figures import save_figures
+    from spacecraft_gnc.analysis.resolve_report import figure
+
+    recorded, revised = (scenario.controller.method for scenario in scenarios)
+    drawn = figure(resolved, (recorded, revised), source.resolve().name)
+    return save_figures([("replay", drawn)], folder, ("png", "svg"))
+
+
+def _print(wish: Solving, flight: Flight, m: dict[str, Any], unread: tuple[str, ...]) -> None:
+    """Print the table."""
+    period = flight.trajectory.period
+    history = "each from a cold start" if wish.cold else "warm along the flight"
+    print(
+        f"{wish.source}: {m['steps']} of {flight.trajectory.n_steps} steps solved again by "
+        f"{m['replayed']['method']}, {history}"
+    )
+    rows = [("", "as flown", "replayed")]
+    rows += _sides(m["recorded"], m["replayed"])
+    widths = [max(len(row[i]) for row in rows) for i in range(2)]
+    for label, old, new in rows:
+        print(f"  {label:<{widths[0]}}  {old:<{widths[1]}}  {new}".rstrip())
+    for label, text in _differences(m, period):
+        print(f"  {label:<{widths[0]}}  {text}")
+    if unread:
+        print(f"  {'not read':<{widths[0]}}  {', '.join(unread)}")
+
+
+def _sides(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
+    return [
+        ("method", old["method"], new["method"]),
+        ("largest torque", _number(old["max_torque"], "N m"), _number(new["max_torque"], "N m")),
+        ("iterations a solve", _iterations(old), _iterations(new)),
+        ("largest residual", _number(old["residual_max"]), _number(new["residual_max"])),
+        ("time a solve", _time(old), _time(new)),
+        ("steps not solved", str(old["unconverged_steps"]), str(new["unconverged_steps"])),
+        ("torque from", _sources(old), _sources(new)),
+    ]
+
+
+def _differences(m: dict[str, Any], period: float) -> list[tuple[str, str]]:
+    """Return the rows that hold for both together."""
+    steps, same = m["steps"], m["identical_steps"]
+    equal = f"{same} of {steps} steps, bit for bit"
+    if m["check"] == "exact":
+        equal += ": the flight is repeated exactly, as a lockstep flight has to be"
+    elif same < steps:
+        equal += f"; the first other one at step {m['first_difference']}"
+    rows = [("equal torques", equal)]
+    torque = _at(m, "torque_difference", "N m", period)
+    rows.append(("torque difference", torque))
+    if m["cost_difference_max"] is None:
+        rows.append(("cost difference", "-, no plans to compare by the recorded problem"))
+    else:
+        rows.append(("cost difference", _at(m, "cost_difference", "", period)))
+    return rows
+
+
+def _at(m: dict[str, Any], name: str, unit: str, period: float) -> str:
+    step = m[f"{name}_max_step"]
+    largest, rms = _number(m[f"{name}_max"], unit), _number(m[f"{name}_rms"], unit)
+    if m[f"{name}_rms"] == 0.0:
+        return f"{largest} in every step"
+    return f"{largest} at the most (step {step}, {step * period:g} s), {rms} rms"
+
+
+def _number(value: float | None, unit: str = "") -> str:
+    return "-" if value is None else f"{value:.4g} {unit}".rstrip()
+
+
+def _iterations(side: dict[str, Any]) -> str:
+    if side["iterations_median"] is None:
+        return "-"
+    return f"{side['iterations_median']:.3g} median, {side['iterations_max']} most"
+
+
+def _time(side: dict[str, Any]) -> str:
+    median, p99 = side["solve_time_median"], side["solve_time_p99"]
+    if median is None:
+        return "-"
+    return f"{1e6 * median:.0f} us median, {1e6 * p99:.0f} us 99 %"
+
+
+def _sources(side: dict[str, Any]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in side["sources"].items())
