@@ -8,7 +8,7 @@ from setuptools import find_packages, setup
 NAME = "spacecraft_gnc"
 HERE = Path(__file__).parent
 MANIFEST = ET.parse(HERE / "package.xml").getroot()  # noqa: S314 - our own file
-SCENARIOS = [f"config/{path.name}" for path in sorted(HERE.glob("config/*.yaml"))]
+CONFIG = [f"config/{path.name}" for path in sorted(HERE.glob("config/*"))]
 
 setup(
     name=NAME,
@@ -18,11 +18,15 @@ setup(
     maintainer_email=MANIFEST.find("maintainer").get("email"),
     license="Apache-2.0",
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
-    package_data={NAME: ["py.typed"], f"{NAME}.nodes": ["*.xml"]},
+    package_data={
+        NAME: ["py.typed"],
+        f"{NAME}.nodes": ["*.xml"],
+        f"{NAME}.analysis.live": ["page/*"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/config", SCENARIOS),
+        (f"share/{NAME}/config", CONFIG),
     ],
     zip_safe=False,
     python_requires=">=3.10",

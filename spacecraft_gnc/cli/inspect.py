@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated, Any
 
 import typer
@@ -9,7 +10,6 @@ import typer
 from spacecraft_gnc.cli._common import (
     JsonOption,
     RunFailed,
-    is_interactive,
     print_json,
     print_table,
 )
@@ -121,7 +121,7 @@ def watch(
     """Watch a flight to its end: state, error, torque, solver, governor, rates."""
     from spacecraft_gnc.cli._dashboard import watch as show
 
-    style = "json" if as_json else "live" if is_interactive() and not once else "plain"
+    style = "json" if as_json else "live" if sys.stdout.isatty() and not once else "plain"
     show(choose_domain(domain_id), namespace, style=style, once=once, patience=timeout)
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, is_interactive, print_json
+from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain, find_domain
 from spacecraft_gnc.errors import ParameterError
 
@@ -75,12 +75,23 @@ def view(
     if bag is None and rate != 1.0:
         raise ParameterError("--rate: received a rate for a live graph; required a bag; name one")
     stop = _StopRequest()
+    if foxglove:
+        from spacecraft_gnc.cli._view_foxglove import serve_bag, serve_graph
+
+        def announce(url: str, port: int) -> None:
+            _announce(url, port, as_json=as_json, quiet=quiet)
+
+        if bag is None:
+            serve_graph(choose_domain(domain_id), host, port, announce, stop)
+        else:
+            serve_bag(bag, rate, unfinished, host, port, announce, stop)
+        return
     flight = _recorded(bag, rate, unfinished) if bag is not None else _live(domain_id, namespace)
     with flight:
         feed = Feed(flight)
         with PageServer(feed, host, port) as server:
             _announce(server.url, server.port, as_json=as_json, quiet=quiet)
-            if not no_browser and is_interactive():
+            if not no_browser and sys.stdout.isatty():
                 webbrowser.open(server.url)
             _run(feed, flight, stop)
 
@@ -90,7 +101,7 @@ def _run(feed: Feed, flight: RecordedFlight | LiveFlight, stop: _StopRequest) ->
     from spacecraft_gnc.analysis.live.feed import PERIOD
 
     due = time.monotonic()
-    while not stop:
+    while not stop():
         feed.tick()
         due = max(due + PERIOD, time.monotonic())
         flight.wait(due - time.monotonic())
@@ -133,5 +144,5 @@ class _StopRequest:
     def _ask(self, *_: Any) -> None:
         self._asked = True
 
-    def __bool__(self) -> bool:
+    def __call__(self) -> bool:
         return self._asked

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 from spacecraft_gnc.analysis.live.history import History
 from spacecraft_gnc.analysis.live.picture import Phase, Picture, Setup
-from spacecraft_gnc.analysis.live.playback import Playback
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.nodes._graph import GraphView
 from spacecraft_gnc.nodes._live_source import LiveSource
 
@@ -31,7 +30,7 @@ class LiveFlight:
         Of the spacecraft.
     """
 
-    playback: Playback | None = None
+    transport: Transport | None = None
 
     def __init__(self, find_domain: Callable[[], int | None], namespace: str = "") -> None:
         self._find_domain = find_domain
@@ -60,10 +59,6 @@ class LiveFlight:
     def history(self) -> History:
         """Its past."""
         return self._nothing[1] if self._source is None else self._source.history
-
-    def control(self, action: str, value: float | None) -> None:
-        """Refuse: what flies cannot be paused from here."""
-        raise ParameterError(f"action: received {action!r} for a live flight; watch it")
 
     def picture(self) -> Picture:
         """Return what there is to see now."""

@@ -20,8 +20,7 @@ from spacecraft_gnc.analysis.live.picture import (
     Timing,
     status_name,
 )
-from spacecraft_gnc.analysis.live.playback import Playback
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._graph import GraphView
 from spacecraft_gnc.nodes._setup_reader import SetupReader
@@ -78,7 +77,7 @@ class LiveSource:
         Wall time [s]; tests hand in their own.
     """
 
-    playback: Playback | None = None
+    transport: Transport | None = None
 
     def __init__(
         self, view: GraphView, namespace: str = "", clock: Callable[[], float] = time.monotonic
@@ -124,10 +123,6 @@ class LiveSource:
     def ended(self) -> bool:
         """Whether the flight is over."""
         return self._phase(self._clock()) is Phase.OVER
-
-    def control(self, action: str, value: float | None) -> None:
-        """Refuse: what flies cannot be paused from here."""
-        raise ParameterError(f"action: received {action!r} for a live flight; watch it")
 
     def picture(self) -> Picture:
         """Return what there is to see now, and sample what came since the last call."""

@@ -9,7 +9,7 @@ from typing import Any, Final, NamedTuple, Protocol
 
 from spacecraft_gnc.analysis.live.history import COLUMNS, History
 from spacecraft_gnc.analysis.live.picture import Picture, Setup
-from spacecraft_gnc.analysis.live.playback import Playback
+from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.errors import ParameterError
 
 PERIOD: Final = 0.1
@@ -28,14 +28,11 @@ class Watched(Protocol):
         """Its past; replaced when another flight begins."""
 
     @property
-    def playback(self) -> Playback | None:
+    def transport(self) -> Transport | None:
         """Where a recording is; None: live."""
 
     def picture(self) -> Picture:
         """Return what there is to see now; append what is new to `history`."""
-
-    def control(self, action: str, value: float | None) -> None:
-        """Play, pause, seek [s] or set the rate; raises ParameterError."""
 
 
 class Event(NamedTuple):
@@ -72,7 +69,7 @@ class Feed:
             flight = self._flight
             picture = flight.picture().as_json(flight.setup)
             self._number += 1
-            self._frame = {"number": self._number, **picture, "playback": self._playback()}
+            self._frame = {"number": self._number, **picture, "transport": self._transport()}
             self._changed.notify_all()
 
     def control(self, action: str, value: float | None) -> None:
@@ -84,9 +81,9 @@ class Feed:
             It makes no sense, or the flight is live.
         """
         with self._changed:
-            if self._flight.playback is None:
+            if self._flight.transport is None:
                 raise ParameterError("action: the flight is live; required a recording; watch it")
-            self._flight.control(action, value)
+            self._flight.transport.control(action, value)
 
     def close(self) -> None:
         """Let the watchers go."""
@@ -122,13 +119,13 @@ class Feed:
                 events.append(Event("frame", {**self._frame, "samples": samples}))
             yield from events  # outside the lock: a slow watcher delays nobody
 
-    def _playback(self) -> dict[str, Any] | None:
-        playback = self._flight.playback
-        if playback is None:
+    def _transport(self) -> dict[str, Any] | None:
+        transport = self._flight.transport
+        if transport is None:
             return None
         return {
-            "start": playback.start,
-            "end": playback.end,
-            "rate": playback.rate,
-            "paused": playback.paused,
+            "start": transport.start,
+            "end": transport.end,
+            "rate": transport.rate,
+            "paused": transport.paused,
         }

@@ -17,9 +17,8 @@ from spacecraft_gnc.analysis.live.picture import (
     Solve,
     status_name,
 )
-from spacecraft_gnc.analysis.live.playback import Playback
+from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.analysis.series import target
-from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,7 +48,7 @@ class RecordedFlight:
         What the flight is.
     history
         The whole flight, thinned.
-    playback
+    transport
         Where it is.
     """
 
@@ -69,13 +68,11 @@ class RecordedFlight:
             else Setup.of(scenario, title, live=False)
         )
         self._target = target(self._flown, scenario)
-        self._clock = clock
-        self.playback = Playback(float(self._flown.time[0]), self._end(), rate)
+        first, last = float(self._flown.time[0]), float(self._flown.time[-1])
+        self.transport = Transport(first, last, rate, clock)
         self.history = History()
         for step in chosen_steps(n_steps):
-            row = sample(self._picture(step, Phase.PAUSED), self._target)
-            self.history.append(row)
-        self.playback.play(clock())
+            self.history.append(sample(self._picture(step, Phase.PAUSED), self._target))
 
     def __enter__(self) -> Self:
         """Return the flight."""
@@ -90,41 +87,14 @@ class RecordedFlight:
 
     def picture(self) -> Picture:
         """Return the step that is played now."""
-        wall = self._clock()
-        now = self.playback.time(wall)
+        now = self.transport.time()
         step = int(np.searchsorted(self._flown.time, now, side="right")) - 1
-        return self._picture(max(step, 0), self._phase(wall))
+        return self._picture(max(step, 0), self._phase())
 
-    def control(self, action: str, value: float | None) -> None:
-        """Play, pause, seek to a time [s], or set the rate.
-
-        Raises
-        ------
-        ParameterError
-            The action or its value makes no sense.
-        """
-        wall, playback = self._clock(), self.playback
-        if action == "play":
-            playback.play(wall)
-        elif action == "pause":
-            playback.pause(wall)
-        elif action == "seek" and value is not None:
-            playback.seek(value, wall)
-        elif action == "rate" and value is not None:
-            playback.set_rate(value, wall)
-        else:
-            raise ParameterError(
-                f"action: received {action!r} with value {value}; required play, pause, seek or "
-                "rate, the last two with a number; correct it"
-            )
-
-    def _phase(self, wall: float) -> Phase:
-        if self.playback.over(wall):
+    def _phase(self) -> Phase:
+        if self.transport.over:
             return Phase.OVER
-        return Phase.PAUSED if self.playback.paused else Phase.PLAYING
-
-    def _end(self) -> float:
-        return float(self._flown.time[-1])
+        return Phase.PAUSED if self.transport.paused else Phase.PLAYING
 
     def _picture(self, step: int, phase: Phase) -> Picture:
         t = self._flown

@@ -64,7 +64,7 @@ function drawCharts(times, now) {
 // The whole flight where its length is known; else what was seen, and at least ten seconds.
 function timeSpan(times, now) {
   const { setup, frame } = state;
-  const start = frame.playback?.start ?? times[0] ?? 0;
+  const start = frame.transport?.start ?? times[0] ?? 0;
   const whole = setup?.n_steps && setup.period ? setup.n_steps * setup.period : 0;
   return [Math.min(start, now), Math.max(whole, now, times[0] ?? 0, start + 10 * (whole ? 0 : 1), start + 1e-3)];
 }
@@ -96,14 +96,14 @@ function onFrame({ samples, ...frame }) {
   schedule();
 }
 
-function showPlayer({ playback, phase, time }) {
-  by("player").hidden = !playback;
-  if (!playback) return;
+function showPlayer({ transport, phase, time }) {
+  by("player").hidden = !transport;
+  if (!transport) return;
   by("play").textContent = { playing: "Pause", over: "Again" }[phase] ?? "Play";
-  by("seek").min = playback.start;
-  by("seek").max = playback.end;
+  by("seek").min = transport.start;
+  by("seek").max = transport.end;
   if (!seeking && time !== null) by("seek").value = time;
-  if (document.activeElement !== by("rate")) showRate(playback.rate);
+  if (document.activeElement !== by("rate")) showRate(transport.rate);
 }
 
 function showRate(rate) {
