@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 _FRAME_PERIOD: Final = 0.1  # [s] wall between two frames on a terminal
 _LINE_PERIOD: Final = 1.0  # [s] wall between two lines elsewhere
 _SETUP_PATIENCE: Final = 3.0  # [s] wall for the parameters, which one frame alone would lack
+_WIDTH: Final = 80  # characters
 _BAR: Final = 15  # characters on each side of zero
 _COLOURS: Final = ("green", "cyan", "yellow", "dark_orange", "red")  # of the rungs, best first
+_NO_SOLVES: Final = "feedback"
 _PHASES: Final = {
     Phase.FLYING: "green",
     Phase.WAITING: "yellow",
@@ -151,7 +153,7 @@ def render(picture: Picture, setup: Setup) -> RenderableType:
     about = "  ".join(word for word in (setup.method, setup.mode, picture.note) if word)
     step = f"step {picture.step}" + (f" of {setup.n_steps}" if setup.n_steps else "")
     title = f"[{_PHASES[picture.phase]}]{picture.phase.value}[/]  t = {picture.time:.1f} s  {step}"
-    return Panel(table, title=title, title_align="left", subtitle=about or None, expand=False)
+    return Panel(table, title=title, title_align="left", subtitle=about or None, width=_WIDTH)
 
 
 def _rows(picture: Picture, setup: Setup) -> Iterator[tuple[str, str | Text]]:
@@ -163,15 +165,16 @@ def _rows(picture: Picture, setup: Setup) -> Iterator[tuple[str, str | Text]]:
     for name, margin in picture.margins_deg(setup).items():
         yield f"margin to {name}", _marked(f"{margin:.4g} deg", margin < 0.0)
     yield from _torque_rows(picture, setup)
-    yield from _solver_rows(picture)
+    if setup.method != _NO_SOLVES:
+        yield from _solver_rows(picture)
     if picture.decision is not None and setup.governor not in ("", "none"):
         decision = picture.decision
         limited = f"  limited by {decision.constraint}" if decision.constraint else ""
-        yield "governor alpha", _share(decision.alpha) + f"  margin {decision.margin:.3g}{limited}"
+        yield "governor alpha", _share(decision.alpha) + limited
     yield from _timing_rows(picture)
     rates = [f"{topic} {rate:.3g}" for topic, rate in picture.rates.items() if rate > 0.0]
     if rates:
-        yield "rates [Hz]", "\n".join(", ".join(rates[i : i + 3]) for i in range(0, len(rates), 3))
+        yield "rates [Hz]", "\n".join(", ".join(rates[i : i + 2]) for i in range(0, len(rates), 2))
 
 
 def _torque_rows(picture: Picture, setup: Setup) -> Iterator[tuple[str, str | Text]]:
@@ -191,21 +194,20 @@ def _solver_rows(picture: Picture) -> Iterator[tuple[str, str | Text]]:
     if solve is None:
         return
     yield "solver", _marked(solve.status, solve.status != "converged")
-    text = (
-        f"{solve.iterations} iterations, residual {solve.residual:.2e}, "
-        f"least curvature {solve.curvature:.3g}, {solve.solve_time * 1e6:.0f} us"
-    )
-    yield "", text
+    took = f"{solve.solve_time * 1e6:.0f} us" if math.isfinite(solve.solve_time) else "time unknown"
+    yield "", f"{solve.iterations} iterations, residual {solve.residual:.2e}, {took}"
+    if math.isfinite(solve.curvature):
+        yield "", f"least curvature {solve.curvature:.3g}"
 
 
 def _timing_rows(picture: Picture) -> Iterator[tuple[str, str | Text]]:
     timing = picture.timing
     if timing is None:
         return
-    text = f"{timing.speed:.3g} times real time, state to torque {timing.latency * 1e3:.2f} ms"
-    if math.isfinite(timing.slack):
-        text += f", slack {timing.slack * 1e3:.1f} ms"
-    yield "timing", text
+    yield "timing", f"{timing.speed:.3g} times real time"
+    if math.isfinite(timing.latency):
+        slack = f", slack {timing.slack * 1e3:.1f} ms" if math.isfinite(timing.slack) else ""
+        yield "", f"state to torque {timing.latency * 1e3:.2f} ms{slack}"
     unwanted = timing.missed + timing.held + timing.rejected
     counts = f"{timing.missed} deadlines missed, {timing.held} held, {timing.rejected} rejected"
     yield "", _marked(counts, unwanted > 0)
@@ -225,7 +227,7 @@ def _bar(value: float, scale: float, limit: float) -> Text:
 
 def _share(value: float) -> str:
     filled = round(max(0.0, min(1.0, value)) * _BAR)
-    return f"▕{'█' * filled:<{_BAR}}▏ {value:.3f}"
+    return f"▕{'█' * filled:<{_BAR}}▏ {value:.4g}"
 
 
 def _source(source: int) -> Text:

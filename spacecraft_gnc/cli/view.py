@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
     from spacecraft_gnc.nodes._live_flight import LiveFlight
 
+_LAYOUT = "spacecraft_gnc.foxglove-layout.json"
 BagArgument = Annotated[
     Path | None,
     typer.Argument(
@@ -77,9 +78,12 @@ def view(
     stop = _StopRequest()
     if foxglove:
         from spacecraft_gnc.cli._view_foxglove import serve_bag, serve_graph
+        from spacecraft_gnc.scenario.shipped import shipped_file
 
         def announce(url: str, port: int) -> None:
-            _announce(url, port, as_json=as_json, quiet=quiet)
+            layout = shipped_file(_LAYOUT)
+            how = f"in Foxglove: open connection {url}, import layout {layout}"
+            _announce({"url": url, "port": port, "layout": layout}, how, as_json, quiet)
 
         if bag is None:
             serve_graph(choose_domain(domain_id), host, port, announce, stop)
@@ -90,7 +94,8 @@ def view(
     with flight:
         feed = Feed(flight)
         with PageServer(feed, host, port) as server:
-            _announce(server.url, server.port, as_json=as_json, quiet=quiet)
+            about = {"url": server.url, "port": server.port}
+            _announce(about, server.url, as_json, quiet)
             if not no_browser and sys.stdout.isatty():
                 webbrowser.open(server.url)
             _run(feed, flight, stop)
@@ -121,16 +126,17 @@ def _recorded(path: Path, rate: float, unfinished: bool) -> RecordedFlight:
     flight = load_run(path, allow_unfinished=unfinished)
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
-    name = path.stem if path.is_file() else path.resolve().name
+    whole = path.resolve()
+    name = whole.stem if path.is_file() else "/".join(whole.parts[-2:])  # a bag is called "bag"
     return RecordedFlight(flight, name, rate)
 
 
-def _announce(url: str, port: int, *, as_json: bool, quiet: bool) -> None:
+def _announce(about: dict[str, Any], text: str, as_json: bool, quiet: bool) -> None:
     if as_json:
-        print_json({"url": url, "port": port})
+        print_json(about)
         sys.stdout.flush()
     elif not quiet:
-        print(f"{url}  (Ctrl-C ends)", flush=True)
+        print(f"{text}  (Ctrl-C ends)", flush=True)
 
 
 class _StopRequest:

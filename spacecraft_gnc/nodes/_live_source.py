@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final
 
 from rclpy.serialization import deserialize_message
@@ -21,8 +22,10 @@ from spacecraft_gnc.analysis.live.picture import (
     status_name,
 )
 from spacecraft_gnc.analysis.live.transport import Transport
+from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._graph import GraphView
+from spacecraft_gnc.nodes._inboxes import Inbox, Rates
 from spacecraft_gnc.nodes._setup_reader import SetupReader
 from spacecraft_gnc.nodes._topics import (
     GOVERNOR_STATUS,
@@ -39,29 +42,8 @@ from spacecraft_gnc.types import Matrix3
 _STALE: Final = 2.0  # [s] wall without a state, at least; a slow flight has its own pace
 _STALE_PERIODS: Final = 3.0
 _LOOK: Final = 0.5  # [s] wall between two looks at who publishes
-_RATE_WINDOW: Final = 1.0  # [s] wall
-_MOST_STEPS: Final = 20000  # of a topic that wait to be sampled
 _MOST_SAMPLES: Final = 60  # of one picture: a fast flight is drawn coarser
 _TOPICS: Final = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, WALL_TIMING, TARGET)
-
-
-class _Inbox:
-    """The last messages of one topic, by control step."""
-
-    def __init__(self) -> None:
-        self.messages: dict[int, bytes] = {}
-        self.last = b""
-        self.count = 0
-
-    def put(self, step: int, data: bytes) -> None:
-        self.last = data
-        self.count += 1
-        if len(self.messages) < _MOST_STEPS:
-            self.messages[step] = data
-
-    def forget_before(self, step: int) -> None:
-        for old in [known for known in self.messages if known < step]:
-            del self.messages[old]
 
 
 class LiveSource:
@@ -86,14 +68,14 @@ class LiveSource:
         self._clock = clock
         space = namespace.strip("/")
         prefix = f"/{space}/" if space else "/"
-        self.setup = Setup(title=f"ROS_DOMAIN_ID={view.domain_id}", live=True)
+        self.setup = Setup(title=_title(view.domain_id), live=True)
         self.history = History()
         self._reader = SetupReader(view.node, prefix)
         self._state_name = f"{prefix}{STATE.name}"
-        self._inboxes = {topic.name: _Inbox() for topic in _TOPICS}
+        self._inboxes = {topic.name: Inbox() for topic in _TOPICS}
         for topic in _TOPICS:
             self._listen(topic, prefix)
-        self._rates = _Rates(self._inboxes)
+        self._rates = Rates(self._inboxes)
         self._look_at, self._publishers = -math.inf, 0
         self._step = self._sampled = -1
         self._arrived = self._interval = 0.0
@@ -287,22 +269,9 @@ class LiveSource:
         )
 
 
-class _Rates:
-    """Messages per wall second of each topic, over a window of its own."""
-
-    def __init__(self, inboxes: dict[str, _Inbox]) -> None:
-        self._inboxes = inboxes
-        self._since = -math.inf
-        self._counts = dict.fromkeys(inboxes, 0)
-        self._rates: dict[str, float] = {}
-
-    def at(self, now: float) -> dict[str, float]:
-        """Return the rates of the last whole window."""
-        duration = now - self._since
-        if duration >= _RATE_WINDOW:
-            counts = {topic: inbox.count for topic, inbox in self._inboxes.items()}
-            if math.isfinite(duration):
-                new = {topic: counts[topic] - self._counts[topic] for topic in counts}
-                self._rates = {topic: n / duration for topic, n in new.items()}
-            self._since, self._counts = now, counts
-        return self._rates
+def _title(domain_id: int) -> str:
+    """Name the graph by the scenario that its launcher wrote down, if there is one."""
+    for graph in domain.running_graphs():
+        if graph.domain_id == domain_id and "scenario" in graph.about:
+            return Path(graph.about["scenario"]).stem
+    return f"ROS_DOMAIN_ID={domain_id}"

@@ -6,6 +6,7 @@ Source: foxglove-sdk; channels of encoding ``cdr`` with ``ros2msg`` schemas, as 
 from __future__ import annotations
 
 import errno
+import logging
 import re
 import time
 from collections.abc import Callable, Iterator
@@ -26,6 +27,7 @@ DEFAULT_PORT: Final = 8765
 """Where the app looks by itself."""
 PERIOD: Final = 0.02
 """Wall time between two looks at what is to be played [s]."""
+_TELL: Final = 0.1  # [s] wall
 _BACKLOG: Final = 20000  # messages kept for a slow app
 _NS_PER_S: Final = 1_000_000_000
 _OS_ERROR: Final = re.compile(r"os error (\d+)")
@@ -65,13 +67,14 @@ class FoxgloveServer:
                 "--foxglove: foxglove-sdk is not installed; required for the Foxglove app; install "
                 "spacecraft_gnc[view], or leave --foxglove out for the page that needs nothing"
             ) from error
+        foxglove.set_log_level(logging.CRITICAL)  # an app that leaves is no error
         self._context = foxglove.Context()
         self._channels: dict[str, Any] = {}
         self._latched: dict[str, tuple[int, bytes]] = {}
         self.subscribed = False
         """Set when a client has subscribed to something; whoever plays clears it."""
         self._transport = transport
-        self._host = host
+        self._told = 0.0
         self._server = self._start(host, port)
 
     def __enter__(self) -> Self:
@@ -125,10 +128,12 @@ class FoxgloveServer:
             if data:
                 self._channels[topic].log(data, log_time=time_ns)
 
-    def tell(self, *, jumped: bool = False, request_id: str | None = None) -> None:
-        """Tell the app where a recording is."""
-        if self._transport is not None:
-            self._server.broadcast_playback_state(self.state(jumped, request_id))
+    def tell(self, jumped: bool) -> None:
+        """Tell the app where a recording is, a few times a second and at every jump."""
+        now = time.monotonic()
+        if self._transport is not None and (jumped or now - self._told >= _TELL):
+            self._told = now
+            self._server.broadcast_playback_state(self.state(jumped, None))
 
     def state(self, jumped: bool, request_id: str | None) -> Any:
         """Return where the recording is, as the app wants it."""
@@ -247,7 +252,7 @@ def play(
                 server.send(topic, pending.time_ns, data)
             pending = next(moments, None)
         server.serve_latched()
-        server.tell(jumped=jumped)
+        server.tell(jumped)
         wait(PERIOD)
 
 

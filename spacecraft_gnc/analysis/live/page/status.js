@@ -22,16 +22,18 @@ function fill(list, rows) {
 export function showNumbers(frame, setup) {
   const by = (id) => document.getElementById(id);
   const { solve, decision, timing } = frame;
+  const wanted = setup?.method === "feedback" ? "feedback" : "optimal";
+  const solves = setup?.method !== "feedback";
   const governed = decision && setup?.governor && setup.governor !== "none";
   fill(by("state"), [
     ["error to reference", digits(frame.error_deg, 4, "°")],
     ["error to target", governed ? digits(frame.target_error_deg, 4, "°") : "–"],
-    ["torque from", frame.torque ? frame.source : "–", frame.source === "optimal" ? "" : "warn"],
+    ["torque from", frame.torque ? frame.source : "–", ["optimal", "neighboring extremal", wanted].includes(frame.source) ? "" : "warn"],
     ...Object.entries(frame.margins_deg).map(([name, v]) => [
       `margin to ${name}`, digits(v, 4, "°"), v < 0 ? "bad" : "",
     ]),
   ]);
-  fill(by("solver"), solve ? [
+  fill(by("solver"), solve && solves ? [
     ["solver", solve.status, solve.status === "converged" ? "" : "warn"],
     ["iterations", solve.status === "no solve" ? "–" : `${solve.iterations}`],
     ["residual", small(solve.residual)],
@@ -45,7 +47,7 @@ export function showNumbers(frame, setup) {
     ["reference held", decision.admissible ? "–" : "yes", "warn"],
   ] : []);
   fill(by("timing"), timing ? [
-    ["speed", digits(timing.speed, 3, " × real time")],
+    ["times real time", digits(timing.speed, 3)],
     ["state to torque", micro(timing.latency)],
     ["deadline slack", micro(timing.slack), timing.slack < 0 ? "bad" : ""],
     ["deadlines missed", `${timing.missed}`, timing.missed ? "bad" : ""],
