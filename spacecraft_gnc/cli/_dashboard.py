@@ -127,7 +127,8 @@ def line(picture: Picture) -> str:
     """Return a picture as one line, for logs and pipes."""
     parts = [picture.phase.value, f"step {picture.step}", f"t = {picture.time:.1f} s"]
     error = picture.error_deg(picture.reference)
-    parts.append(f"{error:.4g} deg off the reference")
+    if math.isfinite(error):
+        parts.append(f"{error:.4g} deg off the reference")
     if picture.torque is not None:
         norm = math.sqrt(float(picture.torque @ picture.torque))
         parts.append(f"|u| {norm:.4g} N m ({source_name(picture.source)})")
@@ -195,7 +196,8 @@ def _solver_rows(picture: Picture) -> Iterator[tuple[str, str | Text]]:
         return
     yield "solver", _marked(solve.status, solve.status != "converged")
     took = f"{solve.solve_time * 1e6:.0f} us" if math.isfinite(solve.solve_time) else "time unknown"
-    yield "", f"{solve.iterations} iterations, residual {solve.residual:.2e}, {took}"
+    if math.isfinite(solve.residual):
+        yield "", f"{solve.iterations} iterations, residual {solve.residual:.2e}, {took}"
     if math.isfinite(solve.curvature):
         yield "", f"least curvature {solve.curvature:.3g}"
 
@@ -204,7 +206,7 @@ def _timing_rows(picture: Picture) -> Iterator[tuple[str, str | Text]]:
     timing = picture.timing
     if timing is None:
         return
-    yield "timing", f"{timing.speed:.3g} times real time"
+    yield "timing", _number(timing.speed, ".3g", "times real time")
     if math.isfinite(timing.latency):
         slack = f", slack {timing.slack * 1e3:.1f} ms" if math.isfinite(timing.slack) else ""
         yield "", f"state to torque {timing.latency * 1e3:.2f} ms{slack}"
