@@ -12,6 +12,7 @@ from mcap.reader import McapReader, make_reader
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording import BAG_FOLDER
 from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._metadata import METADATA_NAME
 from spacecraft_gnc.recording._scan import Progress, scan
@@ -168,7 +169,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     Parameters
     ----------
     path
-        Bag folder or .mcap file.
+        Bag folder or .mcap file, or the folder of a run of ``gnc launch`` with a bag in it.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
 
@@ -177,7 +178,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     RecordingError
         If there is no bag, or it is empty, cut off, damaged or not of ROS 2.
     """
-    path = Path(path)
+    path = _bag_in(Path(path))
     with ExitStack() as stack:
         files = _storage_files(path)
         unfinished = _is_unfinished(path, files)
@@ -195,6 +196,13 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
         with _damage(path):
             reader = stack.enter_context(AnyReader([source]))
         yield Bag(path, reader, files, unfinished)
+
+
+def _bag_in(path: Path) -> Path:
+    """Return the bag in the folder of a run; any other path as it is."""
+    bag = path / BAG_FOLDER
+    is_bag = (path / METADATA_NAME).exists() or any(path.glob(f"*{MCAP_SUFFIX}"))
+    return bag if bag.is_dir() and not is_bag else path
 
 
 def _storage_files(path: Path) -> list[Path]:
