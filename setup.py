@@ -20,8 +20,9 @@ setup(
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={
         NAME: ["py.typed"],
-        f"{NAME}.nodes": ["*.xml"],
         f"{NAME}.analysis.live": ["page/*"],
+        f"{NAME}.analysis.report": ["*.css", "*.html", "*.js"],
+        f"{NAME}.nodes": ["*.xml"],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),

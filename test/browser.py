@@ -10,6 +10,7 @@ import json
 import os
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -40,12 +41,26 @@ _FLAGS = (
 @pytest.fixture
 def browser(tmp_path: Path) -> Iterator[Any]:
     """Yield a selenium driver of a fresh headless Chromium, whose console is recorded."""
-    chromium, driver = _programs()
+    with chromium(tmp_path) as window:
+        yield window
+
+
+@pytest.fixture(scope="module")
+def module_browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Yield one for all tests of a module: to start one takes longer than most of them."""
+    with chromium(tmp_path_factory.mktemp("browser")) as window:
+        yield window
+
+
+@contextmanager
+def chromium(folder: Path) -> Iterator[Any]:
+    """Start a headless Chromium whose profile lies in ``folder``, and end it."""
+    program, driver = _programs()
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
-    options.binary_location = chromium
-    for flag in (*_FLAGS, f"--user-data-dir={tmp_path / 'chromium'}"):
+    options.binary_location = program
+    for flag in (*_FLAGS, f"--user-data-dir={folder / 'chromium'}"):
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     service = webdriver.ChromeService(executable_path=driver)
@@ -60,11 +75,11 @@ def browser(tmp_path: Path) -> Iterator[Any]:
 
 def _programs() -> tuple[str, str]:
     """Return the paths of Chromium and its driver; skip or fail where one is missing."""
-    chromium = next(filter(None, map(shutil.which, _CHROMIUM)), None)
+    program = next(filter(None, map(shutil.which, _CHROMIUM)), None)
     driver = shutil.which("chromedriver")
-    if chromium and driver:
-        return chromium, driver
-    missing = "chromedriver" if chromium else "Chromium"
+    if program and driver:
+        return program, driver
+    missing = "chromedriver" if program else "Chromium"
     reason = f"{missing} is not installed (apt-get install chromium chromium-driver)"
     if os.environ.get(REQUIRE) == "1":
         pytest.fail(f"{reason}, and {REQUIRE}=1 asks for it")

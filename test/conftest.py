@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from browser import browser  # noqa: F401 - a fixture
+from browser import browser, module_browser  # noqa: F401 - fixtures
 from hypothesis import settings
 
 # Timings are no property of the code (first calls compile), and CI must not depend on a seed.

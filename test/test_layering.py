@@ -103,6 +103,7 @@ def test_the_rules_are_not_vacuous() -> None:
     assert not may_import("cli/plot.py", "matplotlib")
     assert not may_import("analysis/metrics.py", "rosbags")
     assert not may_import("cli/view.py", "foxglove")
+    assert not may_import("cli/export.py", "pyarrow")
     seen = {module for path in FILES for _, module in imports(path)}
     assert {"numba", "rclpy"} <= {module.split(".")[0] for module in seen}
     assert f"{PACKAGE}.types" in seen
@@ -152,7 +153,17 @@ def test_check_needs_neither_ros_nor_kernels() -> None:
     code = (
         "from spacecraft_gnc.cli.main import main\nmain(['check', 'config/gupta2015_case1.yaml'])\n"
     )
-    blocked = (*ROS, "_msgs", "numba", "scipy", "mcap", "rosbags", "matplotlib")
+    blocked = (
+        *ROS,
+        "_msgs",
+        "numba",
+        "scipy",
+        "mcap",
+        "rosbags",
+        "matplotlib",
+        "plotly",
+        "pyarrow",
+    )
     result = run_without(blocked, code)
     assert result.returncode == 0, result.stderr
     assert "can fly" in result.stdout

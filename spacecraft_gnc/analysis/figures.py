@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 FORMATS: Final = ("png", "svg", "pdf")
 ERROR_SCALES: Final = ("log", "linear")
-_SINGLE = (6.3, 3.2)  # [inch]
-_DOUBLE = (6.3, 5.2)
+SINGLE = (6.3, 3.2)  # [inch]
+DOUBLE = (6.3, 5.2)
 _SQUARE = (5.2, 5.6)
 _OVERVIEW = (11.0, 8.6)
 # No date in the files: the same flight gives the same bytes.
@@ -31,7 +31,8 @@ _METADATA: Final[Mapping[str, Mapping[str, None]]] = {
     "svg": {"Date": None},
     "pdf": {"CreationDate": None},
 }
-_Draw: TypeAlias = "Callable[[Axes], None]"
+Draw: TypeAlias = "Callable[[Axes], None]"
+Maker: TypeAlias = "Callable[[], Figure]"
 
 
 def flight_figures(
@@ -57,12 +58,30 @@ def flight_figures(
     Yields
     ------
     tuple of str and Figure
-        Name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``; ``governor``,
-        ``zones`` and ``solver`` where there is something to show) and figure.
+        Names and figures of `flight_makers`.
+    """
+    makers = flight_makers(trajectory, scenario, title=title, error_scale=error_scale)
+    yield from ((name, make()) for name, make in makers.items())
+
+
+def flight_makers(
+    trajectory: Trajectory,
+    scenario: Scenario | None = None,
+    *,
+    title: str = "",
+    error_scale: str = "log",
+) -> dict[str, Maker]:
+    """Return what draws each figure of one flight; arguments as of `flight_figures`.
+
+    Returns
+    -------
+    dict
+        By name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``;
+        ``governor``, ``zones`` and ``solver`` where there is something to show).
     """
     limit = series.torque_limit(trajectory, scenario)
     zones = scenario.controller.zones if scenario is not None else ()
-    draw: dict[str, _Draw] = {
+    draw: dict[str, Draw] = {
         "error": lambda axes: panels.attitude_error(axes, trajectory, scenario, scale=error_scale),
         "momentum": lambda axes: panels.momentum(axes, trajectory),
         "torque": lambda axes: panels.torque_components(axes, trajectory),
@@ -73,20 +92,23 @@ def flight_figures(
         "iterations": lambda axes: panels.iterations(axes, trajectory),
         "solve_time": lambda axes: panels.solve_time(axes, trajectory),
     }
-    yield "overview", _overview(draw, title)
-    yield "attitude_error", _stacked(_SINGLE, draw["error"])
-    yield "momentum", _stacked(_SINGLE, draw["momentum"])
-    yield "torque", _stacked(_DOUBLE, draw["torque"], draw["norm"])
-    yield "sphere", _stacked(_SQUARE, draw["sphere"])
+    makers: dict[str, Maker] = {
+        "overview": lambda: _overview(draw, title),
+        "attitude_error": lambda: stacked(SINGLE, draw["error"]),
+        "momentum": lambda: stacked(SINGLE, draw["momentum"]),
+        "torque": lambda: stacked(DOUBLE, draw["torque"], draw["norm"]),
+        "sphere": lambda: stacked(_SQUARE, draw["sphere"]),
+    }
     if series.is_governed(trajectory):
-        yield "governor", _stacked(_SINGLE, draw["alpha"])
+        makers["governor"] = lambda: stacked(SINGLE, draw["alpha"])
     if zones:
-        yield "zones", _stacked(_SINGLE, draw["zones"])
+        makers["zones"] = lambda: stacked(SINGLE, draw["zones"])
     if np.any(trajectory.status >= 0):
-        yield "solver", _stacked(_DOUBLE, draw["iterations"], draw["solve_time"])
+        makers["solver"] = lambda: stacked(DOUBLE, draw["iterations"], draw["solve_time"])
+    return makers
 
 
-def _overview(draw: Mapping[str, _Draw], title: str) -> Figure:
+def _overview(draw: Mapping[str, Draw], title: str) -> Figure:
     with style.applied():
         figure = Figure(_OVERVIEW, layout="constrained")
         grid = figure.add_gridspec(3, 2, width_ratios=[1.12, 1.0])
@@ -104,7 +126,7 @@ def _overview(draw: Mapping[str, _Draw], title: str) -> Figure:
         return figure
 
 
-def _stacked(size: tuple[float, float], *draw: _Draw) -> Figure:
+def stacked(size: tuple[float, float], *draw: Draw) -> Figure:
     """Return a figure with diagrams above each other, over one time axis."""
     with style.applied():
         figure = Figure(size, layout="constrained")

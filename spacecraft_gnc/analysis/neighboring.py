@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.loop.protocols import Source
 
@@ -40,7 +41,7 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
 
         solver = ShootingSolver(problem_of(scenario))
         largest = math.nan
-        for k in answered:
+        for k in answered[_recorded(trajectory)[answered]]:
             exact = solver.solve(
                 trajectory.attitude[k], trajectory.momentum[k], trajectory.reference[k]
             )
@@ -49,3 +50,10 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
                 largest = np.fmax(largest, off)
         error = float(largest) if math.isfinite(largest) else None
     return {"neighboring_share": share, "neighboring_error": error}
+
+
+def _recorded(trajectory: Trajectory) -> NDArray[np.bool_]:
+    """Tell of the (n,) steps whether what their problem starts from was recorded."""
+    n = trajectory.n_steps
+    given = (trajectory.attitude.reshape(n, 9), trajectory.reference.reshape(n, 9))
+    return np.asarray(np.isfinite(np.hstack([*given, trajectory.momentum])).all(axis=1))

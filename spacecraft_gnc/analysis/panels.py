@@ -74,7 +74,7 @@ def attitude_error(
         if axes.get_yscale() == "log":
             _label_settling(axes, time, threshold)
     if governed:
-        _legend(axes, 2)
+        legend(axes, 2)
     if axes.get_yscale() != "log":  # the labels of small thresholds would lie on each other
         lines = [_settling_text(threshold, time) for threshold, time in settled.items()]
         axes.text(0.98, 0.95, "\n".join(lines), transform=axes.transAxes, ha="right", va="top")
@@ -110,7 +110,7 @@ def momentum(axes: Axes, trajectory: Trajectory) -> None:
         ylabel=f"momentum [{unit.label}]",
     )
     axes.set_xlim(times[0], times[-1])
-    _legend(axes, 3)
+    legend(axes, 3)
 
 
 def torque_components(axes: Axes, trajectory: Trajectory) -> None:
@@ -123,7 +123,7 @@ def torque_components(axes: Axes, trajectory: Trajectory) -> None:
         )
     axes.set(title="Torque, body frame", xlabel=TIME_LABEL, ylabel=f"torque [{unit.label}]")
     axes.set_xlim(times[0], times[-1])
-    _legend(axes, 3)
+    legend(axes, 3)
 
 
 def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) -> None:
@@ -140,7 +140,7 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
         )
     axes.set_ylim(bottom=0.0)
     axes.margins(y=0.08)
-    _legend(axes, 2)
+    legend(axes, 2)
 
 
 def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) -> None:
@@ -162,7 +162,7 @@ def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) 
             *_held(trajectory, left / whole), where="post", color=style.INK, linewidth=1.0,
             linestyle=style.AXIS_STYLES[1], label=label,
         )  # fmt: skip
-        _legend(axes, 2)
+        legend(axes, 2)
 
 
 def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters, ...]) -> None:
@@ -174,7 +174,7 @@ def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters
     axes.axhline(0.0, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--", label="border")
     axes.set(title="Pointing-zone margin", xlabel=TIME_LABEL, ylabel="angle to border [deg]")
     axes.set_xlim(times[0], times[-1])
-    _legend(axes, 3)
+    legend(axes, 3)
 
 
 def iterations(axes: Axes, trajectory: Trajectory) -> None:
@@ -192,7 +192,7 @@ def iterations(axes: Axes, trajectory: Trajectory) -> None:
             color=style.LIMIT_COLOUR,
             label="not converged",
         )
-        _legend(axes, 1)
+        legend(axes, 1)
     axes.set(title="Solver iterations", xlabel=TIME_LABEL, ylabel="iterations [-]")
     axes.set_xlim(time[0], series.state_times(trajectory)[-1])
     axes.set_ylim(0.0, max(int(count.max(initial=0)), 1) + 0.5)
@@ -275,7 +275,7 @@ def _component(index: int) -> dict[str, Any]:
     return {"color": style.AXIS_COLOURS[index], "linestyle": style.AXIS_STYLES[index]}
 
 
-def _legend(axes: Axes, columns: int) -> None:
+def legend(axes: Axes, columns: int, **options: Any) -> None:
     """Put the legend above the diagram, right of its title, where no data can lie."""
     axes.legend(
         loc="lower right",
@@ -284,4 +284,5 @@ def _legend(axes: Axes, columns: int) -> None:
         borderaxespad=0.25,
         handlelength=2.2,
         columnspacing=1.2,
+        **options,
     )

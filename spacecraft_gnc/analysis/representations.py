@@ -114,7 +114,8 @@ def roll_pitch_yaw_deg(attitudes: Array) -> Array:
     roll = np.arctan2(r[:, 2, 1], r[:, 2, 2])
     pitch = np.arctan2(-r[:, 2, 0], np.hypot(r[:, 0, 0], r[:, 1, 0]))
     yaw = np.arctan2(r[:, 1, 0], r[:, 0, 0])
-    return np.degrees(np.column_stack([_unwrapped(roll), pitch, _unwrapped(yaw)]))
+    angles = np.column_stack([_unwrapped(roll), pitch, _unwrapped(yaw)])
+    return np.asarray(np.degrees(angles))
 
 
 def near_gimbal_lock(attitudes: Array) -> NDArray[np.bool_]:

@@ -112,6 +112,19 @@ def unconverged(trajectory: Trajectory) -> NDArray[np.bool_]:
     return np.asarray((status > 0) & (status != STALLED) & (status != ESCAPING))
 
 
+def solve_deadline(scenario: Scenario | None) -> tuple[float, str]:
+    """Return the wall time that a solve may take [s], and what it is; 0 where it is not known.
+
+    In lockstep there is no deadline; the control period takes its place.
+    """
+    if scenario is None:
+        return 0.0, ""
+    if scenario.plant.mode == "free_run":
+        deadline = scenario.period / scenario.plant.real_time_factor
+        return deadline, f"deadline {deadline:g} s"
+    return scenario.period, f"control period {scenario.period:g} s"
+
+
 def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:
     """Return (n + 1,) angles left to the border of a pointing zone, negative inside it [deg].
 

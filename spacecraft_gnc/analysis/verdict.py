@@ -1,13 +1,16 @@
-"""What the audit says of a run, in a line."""
+"""What the audit says of a run, for a reader of its report."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.recording.reader import NPZ_SUFFIX
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.recording.reader import Flight
+    from pathlib import Path
+
+    from spacecraft_gnc.analysis.audit.run import Audit
 
 
 class Verdict(NamedTuple):
@@ -16,14 +19,45 @@ class Verdict(NamedTuple):
     passed: bool | None
     """None: not audited."""
     text: str
+    checks: tuple[tuple[str, str, str, str, str], ...] = ()
+    """Name, steps, largest deviation, tolerance, and verdict with its note, of each check."""
 
 
-def audit_verdict(flight: Flight) -> Verdict:
-    """Audit the bag of a flight.
+def audit_verdict(path: Path, *, allow_unfinished: bool = False) -> Verdict:
+    """Audit a recording.
 
-    A file of ``gnc simulate`` holds neither plans nor commands to recompute, and is not audited.
+    A file of ``gnc simulate`` holds neither plans nor commands to recompute, and is not audited;
+    nor is a bag that the audit refuses, for instance because it holds no scenario.
     """
-    path = flight.info.path
     if path.suffix == NPZ_SUFFIX and not path.is_dir():
         return Verdict(None, "not audited: a .npz file holds no plans; record a bag")
-    return Verdict(None, "not audited: this version has no audit")
+    from spacecraft_gnc.analysis.audit.run import audit_bag  # loads the kernels
+
+    try:
+        audit = audit_bag(path, allow_unfinished=allow_unfinished)
+    except GncError as error:
+        return Verdict(None, f"not audited: {error}")
+    return Verdict(audit.passed, _sentence(audit), tuple(_lines(audit)))
+
+
+def _sentence(audit: Audit) -> str:
+    if audit.first is None:
+        made = sum(check.steps > 0 for check in audit.checks)
+        return f"{audit.steps} control steps: all {made} checks that apply passed"
+    check, difference = audit.first
+    failed = sum(check.first is not None for check in audit.checks)
+    return (
+        f"the first difference is at step {difference.step}, {difference.field} ({check.name}); "
+        f"{failed} of {len(audit.checks)} checks failed"
+    )
+
+
+def _lines(audit: Audit) -> list[tuple[str, str, str, str, str]]:
+    lines = []
+    for check in audit.checks:
+        worst = "-" if check.is_condition or not check.steps else f"{check.worst:.2g}"
+        where = "" if check.first is None else f"step {check.first.step}: {check.first.field}"
+        remark = where or check.note
+        verdict = f"{check.verdict}: {remark}" if remark else check.verdict
+        lines.append((check.name, str(check.steps or "-"), worst, check.tolerance, verdict))
+    return lines

@@ -38,6 +38,10 @@ COMMANDS: Final = {
     "check": _Command(
         f"{_PACKAGE}.check:check", "Check a scenario file; list every problem at once."
     ),
+    "report": _Command(
+        f"{_PACKAGE}.report:report", "Write one HTML page about a flight, or several side by side."
+    ),
+    "export": _Command(f"{_PACKAGE}.export:export", "Write a bag as CSV, Parquet, NPZ or MAT."),
     "plot": _Command(f"{_PACKAGE}.plot:plot", "Draw the figures of a flight."),
     "replay": _Command(
         f"{_PACKAGE}.replay:replay",
@@ -48,6 +52,9 @@ COMMANDS: Final = {
     ),
     "view": _Command(
         f"{_PACKAGE}.view:view", "Watch a flight in the browser: a running graph, or a bag."
+    ),
+    "audit": _Command(
+        f"{_PACKAGE}.audit:audit", "Integrate a bag again and certify every command afresh."
     ),
     "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
     "bench": _Command(f"{_PACKAGE}.bench:bench", "Measure how fast this machine flies."),

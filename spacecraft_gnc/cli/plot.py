@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
-from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
+from spacecraft_gnc.cli._progress import show_progress
+from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.figures import Maker
     from spacecraft_gnc.recording.reader import Flight
     from spacecraft_gnc.scenario import Scenario
 
@@ -32,11 +35,20 @@ class ErrorScale(str, Enum):
     LINEAR = "linear"
 
 
-SourceArgument = Annotated[
-    Path,
+SourcesArgument = Annotated[
+    list[Path],
     typer.Argument(
-        metavar="BAG|FILE.npz",
-        help="Bag, .mcap file, folder of gnc launch, or .npz of gnc simulate.",
+        metavar="RUN...",
+        help="Folder of a launch, bag folder, .mcap file, or .npz of gnc simulate; several are "
+        "drawn over each other.",
+    ),
+]
+OnlyOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--only",
+        metavar="NAME",
+        help="Draw this figure; may be given several times.  [default: all]",
     ),
 ]
 OutOption = Annotated[
@@ -70,9 +82,10 @@ UnfinishedOption = Annotated[
 
 
 def plot(
-    source: SourceArgument,
+    sources: SourcesArgument,
     out: OutOption = None,
     formats: FormatOption = [Format.PNG, Format.SVG],  # noqa: B006  # typer copies it
+    only: OnlyOption = None,
     scenario: ScenarioOption = None,
     error_scale: ScaleOption = ErrorScale.LOG,
     title: TitleOption = None,
@@ -80,35 +93,84 @@ def plot(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Draw the figures of a flight: error, momentum, torque, attitude on the sphere, solver."""
-    from spacecraft_gnc.analysis.figures import flight_figures, save_figures
+    """Draw the figures of a flight for print, or of several flights over each other."""
+    from spacecraft_gnc.analysis.figures import save_figures
     from spacecraft_gnc.analysis.metrics import summarize
+    from spacecraft_gnc.analysis.run_names import run_names
     from spacecraft_gnc.recording.reader import load_run
 
-    flight = load_run(source, allow_unfinished=unfinished)
-    known = _scenario(flight, scenario)
-    name = _name_of(source)
-    heading = name if title is None else title
-    figures = flight_figures(flight.trajectory, known, title=heading, error_scale=error_scale.value)
-    folder = out if out is not None else Path(f"{name}-figures")
-    files = save_figures(figures, folder, [item.value for item in dict.fromkeys(formats)])
-    for warning in flight.info.warnings():
-        print(f"warning: {warning}", file=sys.stderr)
+    with show_progress("reading", silent=quiet) as progress:
+        flights = [load_run(path, allow_unfinished=unfinished) for path in sources]
+        known = [_scenario(flight, scenario) for flight in flights]
+        runs = {
+            name: _Run(flight, scenario)
+            for name, flight, scenario in zip(run_names(sources), flights, known, strict=True)
+        }
+        makers = _makers(runs, title, error_scale.value, unfinished)
+        chosen = _chosen(makers, only)
+        folder = out if out is not None else Path(f"{'-'.join(runs)}-figures".replace("/", "_"))
+        kinds = [item.value for item in dict.fromkeys(formats)]
+        files = []
+        for i, name in enumerate(chosen):
+            progress(i, len(chosen), f"drawing {name}")
+            files += save_figures([(name, makers[name]())], folder, kinds)
+    for flight in flights:
+        for warning in flight.info.warnings():
+            print(f"warning: {warning}", file=sys.stderr)
     if as_json:
-        metrics = summarize(flight.trajectory, known)
-        print_json({"source": source, "files": [str(file) for file in files], "metrics": metrics})
+        metrics = {
+            name: summarize(run.flight.trajectory, run.scenario) for name, run in runs.items()
+        }
+        described = (
+            {"runs": metrics} if len(runs) > 1 else {"metrics": next(iter(metrics.values()))}
+        )
+        source = sources if len(runs) > 1 else sources[0]
+        print_json({"source": source, "files": [str(file) for file in files], **described})
     elif not quiet:
         for file in files:
             print(file)
 
 
-def _name_of(source: Path) -> str:
-    """Return the name of a file or folder; of a bag in the folder of a run, that of the run."""
-    if source.is_file():
-        return source.stem
-    folder = source.resolve()
-    is_run = folder.name == BAG_FOLDER and (folder.parent / RUN_SCENARIO).is_file()
-    return folder.parent.name if is_run else folder.name
+class _Run(NamedTuple):
+    """A flight, and what flew."""
+
+    flight: Flight
+    scenario: Scenario | None
+
+
+def _makers(
+    runs: Mapping[str, _Run], title: str | None, error_scale: str, unfinished: bool
+) -> dict[str, Maker]:
+    """Return what draws each figure, by name."""
+    from spacecraft_gnc.analysis.figures import flight_makers
+    from spacecraft_gnc.analysis.figures_record import comparison_makers, record_makers
+    from spacecraft_gnc.analysis.telemetry import read_telemetry
+
+    if len(runs) > 1:
+        flown = {name: (run.flight.trajectory, run.scenario) for name, run in runs.items()}
+        return comparison_makers(flown, error_scale=error_scale)
+    ((name, (flight, scenario)),) = runs.items()
+    heading = name if title is None else title
+    telemetry = read_telemetry(flight, scenario, allow_unfinished=unfinished)
+    motion = flight_makers(flight.trajectory, scenario, title=heading, error_scale=error_scale)
+    return {**motion, **record_makers(flight.trajectory, telemetry, scenario)}
+
+
+def _chosen(makers: Mapping[str, Maker], only: list[str] | None) -> list[str]:
+    """Return the names of the figures to draw.
+
+    Raises
+    ------
+    ParameterError
+        If there is none of a name.
+    """
+    for name in only or ():
+        if name not in makers:
+            raise ParameterError(
+                f"--only: received {name!r}; required a figure that this flight has; use "
+                f"{', '.join(makers)}"
+            )
+    return list(dict.fromkeys(only)) if only else list(makers)
 
 
 def _scenario(flight: Flight, path: Path | None) -> Scenario | None:

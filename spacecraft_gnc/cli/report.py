@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
-from spacecraft_gnc.cli._progress import stages
+from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.cli.plot import ScenarioOption, UnfinishedOption
 
 if TYPE_CHECKING:
@@ -43,7 +43,8 @@ def report(
     quiet: QuietOption = False,
 ) -> None:
     """Write one self-contained HTML page: curves, 3-D view, summary, audit of one or more runs."""
-    from spacecraft_gnc.analysis.report import read_run, report_html, run_names, write_report
+    from spacecraft_gnc.analysis.report import read_run, report_html, write_report
+    from spacecraft_gnc.analysis.run_names import run_names
 
     known = None
     if scenario is not None:
@@ -51,12 +52,12 @@ def report(
 
         known = load(scenario)
     runs = []
-    with stages(len(sources) + 1, silent=quiet or as_json) as done:
-        for path, name in zip(sources, run_names(sources), strict=True):
+    with show_progress("reading", silent=quiet) as progress:
+        for i, (path, name) in enumerate(zip(sources, run_names(sources), strict=True)):
+            progress(i, len(sources) + 1, f"reading {name}")
             runs.append(read_run(path, name, known, allow_unfinished=unfinished))
-            done(f"read {name}")
+        progress(len(sources), len(sources) + 1, "writing")
         write_report(report_html(runs, title), out)
-        done("written")
     _tell(runs, out, as_json=as_json, quiet=quiet)
 
 

@@ -16,6 +16,7 @@ from spacecraft_gnc.recording import BAG_FOLDER
 from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._metadata import METADATA_NAME
 from spacecraft_gnc.recording._scan import Progress, scan
+from spacecraft_gnc.recording._verify import verify
 from spacecraft_gnc.recording.qos import QosProfile
 from spacecraft_gnc.recording.recover import MAGIC, rewrite
 
@@ -107,6 +108,18 @@ class Bag:
         """Return the recorded text of a topic's message definition; empty where there is none."""
         texts = (c.msgdef.data for c in self._reader.connections if c.topic == topic)
         return next(texts, "")
+
+    def verify(self, progress: Progress | None = None) -> None:
+        """Compare every checksum in the files with what they hold.
+
+        Raises
+        ------
+        RecordingError
+            If a byte has changed since the bag was recorded.
+        """
+        for file in self._files:
+            with _damage(self.path):
+                verify(file, progress)
 
     def type_hash(self, topic: str) -> str:
         """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""

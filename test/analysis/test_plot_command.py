@@ -11,6 +11,11 @@ from analysis.flights import DATA, case1
 from spacecraft_gnc.cli.main import main
 
 SCENARIO = DATA.parents[1] / "config" / "gupta2015_case1.yaml"
+MOTION = ("overview", "attitude_error", "momentum", "torque", "sphere", "solver")
+RECORD = (
+    "quaternion", "roll_pitch_yaw", "rotation_vector", "sources", "invariants", "residual",
+    "solve_times",
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -29,7 +34,8 @@ def test_the_files_are_named_on_stdout(flight, tmp_path, capsys):
     assert run(flight, "-o", tmp_path / "out", "-f", "svg", "--scenario", SCENARIO) == 0
     printed = capsys.readouterr().out.split()
     assert printed == [str(path) for path in sorted_as_printed(tmp_path / "out", printed)]
-    assert len(printed) == 6
+    names = [path.rpartition("/")[2].removesuffix(".svg") for path in printed]
+    assert names == [*MOTION, *RECORD]
 
 
 def sorted_as_printed(folder, printed):
@@ -48,7 +54,7 @@ def test_json_names_files_and_metrics(flight, tmp_path, capsys):
     assert run(flight, *arguments) == 0
     answer = json.loads(capsys.readouterr().out)
     assert answer["metrics"]["saturated_steps"] == 32
-    assert len(answer["files"]) == 6
+    assert len(answer["files"]) == len(MOTION) + len(RECORD)
 
 
 @pytest.mark.parametrize(
@@ -95,3 +101,29 @@ def test_the_folder_of_a_run_is_as_good_as_its_bag(tmp_path, capsys, monkeypatch
     assert run(named, "-f", "svg") == 0
     printed = capsys.readouterr().out.split()
     assert {line.rpartition("/")[0] for line in printed} == {"case1-1-figures"}
+
+
+def test_only_the_figures_asked_for_are_drawn(flight, tmp_path, capsys):
+    only = ("--only", "residual", "--only", "quaternion")
+    assert run(flight, "-o", tmp_path / "out", "-f", "pdf", *only) == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "residual.pdf",
+        "quaternion.pdf",
+    }
+
+
+def test_a_figure_that_a_flight_has_not_is_refused_with_those_it_has(flight, tmp_path, capsys):
+    assert run(flight, "-o", tmp_path / "out", "--only", "curvature") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "received 'curvature'" in line
+    assert "residual" in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_several_flights_are_drawn_over_each_other(flight, tmp_path, capsys):
+    other = case1().save(tmp_path / "other.npz")
+    assert run(flight, other, "-o", tmp_path / "out", "-f", "svg", "--json") == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert list(answer["runs"]) == ["case1", "other"]
+    names = {path.stem for path in (tmp_path / "out").iterdir()}
+    assert names >= {"attitude_error", "torque", "residual", "solve_times", "sources"}

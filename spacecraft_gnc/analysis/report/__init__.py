@@ -1,6 +1,6 @@
 """The report: one self-contained HTML page for one or several runs side by side."""
 
 from spacecraft_gnc.analysis.report.page import report_html, write_report
-from spacecraft_gnc.analysis.report.runs import Run, read_run, run_names
+from spacecraft_gnc.analysis.report.runs import Run, read_run
 
-__all__ = ["Run", "read_run", "report_html", "run_names", "write_report"]
+__all__ = ["Run", "read_run", "report_html", "write_report"]

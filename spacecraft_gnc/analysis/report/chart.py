@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
 
@@ -52,8 +52,8 @@ class Chart:
         To choose from, the first one is shown.
     scale
         Name of the y axis that may be switched between log and linear; empty: none.
-    wide
-        Whether it takes the whole width of the page.
+    wide, tall
+        Whether it takes the whole width of the page, or the height of two others.
     """
 
     name: str
@@ -63,6 +63,7 @@ class Chart:
     variants: tuple[Variant, ...] = ()
     scale: str = ""
     wide: bool = False
+    tall: bool = False
 
     def data(self) -> dict[str, Any]:
         """Return what the script of the page needs."""
@@ -79,6 +80,27 @@ def times_of(run: Run, values: Array) -> Array:
     """Return the times [s] of values of the steps (n) or of the states (n + 1)."""
     times = series.state_times(run.trajectory)
     return times[: len(values)]
+
+
+def span(runs: Sequence[Run]) -> tuple[float, float]:
+    """Return first and last time of all runs [s]."""
+    times = [series.state_times(run.trajectory) for run in runs]
+    return min(float(t[0]) for t in times), max(float(t[-1]) for t in times)
+
+
+def over_time(
+    runs: Sequence[Run], traces: Iterable[Trace], *y: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the figure of diagrams over the time of all runs, one for each axis ``y``."""
+    drawn = figure(traces, y, axis("time [s]", range=span(runs)))
+    if len(runs) > 1:
+        drawn["layout"]["showlegend"] = True  # one curve alone needs its run's name too
+    return drawn
+
+
+def named(runs: Sequence[Run], run: Run, text: str) -> str:
+    """Return a label, with the name of its run where there are several."""
+    return text if len(runs) == 1 else f"{run.name}: {text}"
 
 
 def held(values: Array) -> Array:
@@ -131,5 +153,5 @@ def components(
             )
             traces.append(trace(curve, points))
     if several:
-        return figure(traces, [axis(f"{name} [{unit.label}]") for name in names])
-    return figure(traces, [axis(f"{quantity} [{unit.label}]")])
+        return over_time(runs, traces, *(axis(f"{name} [{unit.label}]") for name in names))
+    return over_time(runs, traces, axis(f"{quantity} [{unit.label}]"))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.types import Array
 
-POINTS: Final = 4000
+POINTS: Final = 3000
 """Points that all runs of a report may spend on one curve: keeps the file below 10 MB."""
 FEWEST: Final = 200
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -14,7 +15,10 @@ from spacecraft_gnc.analysis.report.chart import (
     Variant,
     components,
     held,
+    named,
     one_curve_each,
+    over_time,
+    span,
     times_of,
 )
 from spacecraft_gnc.analysis.report.runs import Run
@@ -22,8 +26,7 @@ from spacecraft_gnc.analysis.report.traces import (
     Curve,
     Trace,
     axis,
-    figure,
-    level,
+    limit,
     log_axis,
     run_line,
     trace,
@@ -42,12 +45,12 @@ def motion_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
     yield _torque_norm(runs, points)
     margins = list(_zone_margins(runs, points))
     if margins:
-        border = level(_span(runs), 0.0, "border of the zone")
+        border = limit(span(runs), (0.0, 0.0), "border of the zone")
         yield Chart(
             "zones",
             "Pointing-zone margin",
             "Angle left to the border of each zone; negative: violated.",
-            figure([*margins, border], [axis("angle to the border [deg]")]),
+            over_time(runs, [*margins, border], axis("angle to the border [deg]")),
         )
 
 
@@ -59,14 +62,14 @@ def _attitude_error(runs: Sequence[Run], points: int) -> Chart:
     for i, run in enumerate(runs):
         if series.target(run.trajectory, run.scenario) is not None:
             error = series.attitude_error_deg(run.trajectory)
-            text = _named(runs, run, "to the governor's reference")
+            text = named(runs, run, "to the reference")
             line = {**run_line(i), "dash": "dot", "width": 1.1}
             traces.append(trace(Curve(times_of(run, error), error, text, line), points))
     return Chart(
         "error",
         "Attitude error",
         "Angle from the attitude to the target (to the reference where no governor shapes it).",
-        figure(traces, [log_axis("angle [deg]")]),
+        over_time(runs, traces, log_axis("angle [deg]")),
         scale="yaxis",
     )
 
@@ -77,14 +80,18 @@ def _attitude(runs: Sequence[Run], points: int) -> Chart:
         drawn = components(
             runs,
             points,
-            lambda run, form=form: forms.values(form, series.attitudes(run.trajectory)),
+            partial(_attitude_values, form),
             form.components,
             form.title.removeprefix("Attitude as ").split(" x,")[0],
             style.Unit(form.unit, 1.0),
         )
         note = form.convention + (_gimbal_lock(runs) if form is forms.ROLL_PITCH_YAW else "")
         variants.append(Variant(form.name, form.title.removeprefix("Attitude as "), note, drawn))
-    return Chart("attitude", "Attitude", variants=tuple(variants))
+    return Chart("attitude", "Attitude", variants=tuple(variants), tall=len(runs) > 1)
+
+
+def _attitude_values(form: forms.Representation, run: Run) -> Array:
+    return forms.values(form, series.attitudes(run.trajectory))
 
 
 def _gimbal_lock(runs: Sequence[Run]) -> str:
@@ -103,7 +110,9 @@ def _momentum(runs: Sequence[Run], points: int) -> Chart:
     drawn = components(
         runs, points, lambda run: series.momenta(run.trajectory), "xyz", "momentum", unit
     )
-    return Chart("momentum", "Angular momentum", "Components in the body frame.", drawn)
+    return Chart(
+        "momentum", "Angular momentum", "Components in the body frame.", drawn, tall=len(runs) > 1
+    )
 
 
 def _torque(runs: Sequence[Run], points: int) -> Chart:
@@ -112,7 +121,7 @@ def _torque(runs: Sequence[Run], points: int) -> Chart:
         runs, points, lambda run: held(run.trajectory.torque), "xyz", "torque", unit, **HELD
     )
     note = "Components in the body frame, held over each control period."
-    return Chart("torque", "Torque", note, drawn)
+    return Chart("torque", "Torque", note, drawn, tall=len(runs) > 1)
 
 
 def _torque_norm(runs: Sequence[Run], points: int) -> Chart:
@@ -128,11 +137,11 @@ def _torque_norm(runs: Sequence[Run], points: int) -> Chart:
             **HELD,
         )
     )
-    for limit in sorted(set(limits) - {0.0}):
-        text = f"limit {unit.factor * limit:g} {unit.label}"
-        traces.append(level(_span(runs), unit.factor * limit, text))
+    for value in sorted(set(limits) - {0.0}):
+        scaled = unit.factor * value
+        traces.append(limit(span(runs), (scaled, scaled), f"limit {scaled:g} {unit.label}"))
     y = axis(f"|torque| [{unit.label}]", rangemode="tozero")
-    return Chart("torque_norm", "Torque norm and limit", "", figure(traces, [y]))
+    return Chart("torque_norm", "Torque norm and limit", "", over_time(runs, traces, y))
 
 
 def _zone_margins(runs: Sequence[Run], points: int) -> Iterator[Trace]:
@@ -140,16 +149,6 @@ def _zone_margins(runs: Sequence[Run], points: int) -> Iterator[Trace]:
         zones = run.scenario.controller.zones if run.scenario is not None else ()
         for j, zone in enumerate(zones):
             margin = series.zone_margin_deg(run.trajectory, zone)
-            text = _named(runs, run, f"{zone.name} ({zone.kind})")
+            text = named(runs, run, f"{zone.name} ({zone.kind})")
             line = {**run_line(j if len(runs) == 1 else i), "dash": _DASHES[j % len(_DASHES)]}
             yield trace(Curve(times_of(run, margin), margin, text, line), points)
-
-
-def _span(runs: Sequence[Run]) -> tuple[float, float]:
-    """Return first and last time of all runs [s]."""
-    times = [series.state_times(run.trajectory) for run in runs]
-    return min(float(t[0]) for t in times), max(float(t[-1]) for t in times)
-
-
-def _named(runs: Sequence[Run], run: Run, text: str) -> str:
-    return text if len(runs) == 1 else f"{run.name}: {text}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import json
-import os
 from collections.abc import Iterable, Sequence
 from importlib import resources
 from pathlib import Path
@@ -19,14 +18,14 @@ from spacecraft_gnc.analysis.report.record import invariant_charts, source_chart
 from spacecraft_gnc.analysis.report.runs import Run
 from spacecraft_gnc.analysis.report.solver import solver_charts
 from spacecraft_gnc.analysis.report.sphere3d import frames_note, sphere_data
-from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.analysis.whole_file import whole_file
 
 _SCRIPTS: Final = ("report.js", "sphere.js")
 # Nothing may be fetched, whatever a script in the page may ask for. plotly.js compiles the code of
 # its 3-D scenes when it runs.
 _POLICY: Final = (
     "default-src 'none'; script-src 'unsafe-inline' 'unsafe-eval'; style-src 'unsafe-inline'; "
-    "img-src data: blob:"
+    "img-src data: blob:; form-action 'none'; base-uri 'none'"
 )
 
 
@@ -51,6 +50,7 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
     data = {"charts": [chart.data() for chart in charts], "sphere": sphere_data(runs, points)}
     parts = {
         "title": heading,
+        "several": "several" if len(runs) > 1 else "",
         "version": html.escape(__version__),
         "policy": _POLICY,
         "style": _resource("report.css"),
@@ -78,17 +78,8 @@ def write_report(text: str, target: Path) -> None:
     RecordingError
         If the file cannot be written.
     """
-    temporary = target.with_name(f".{target.name}.part")
-    try:
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(target)
-    except OSError as error:
-        if temporary.is_file():
-            temporary.unlink()
-        raise RecordingError(
-            f"{target}: the report cannot be written ({os.strerror(error.errno or 0)}); required a "
-            "writable folder with free space; choose another with -o"
-        ) from error
+    with whole_file(target) as file:
+        file.write_text(text, encoding="utf-8")
 
 
 def _filled(page: str, parts: dict[str, str]) -> str:
@@ -113,11 +104,12 @@ def _chart(chart: Chart) -> str:
             f'<option value="{i}">{html.escape(variant.label)}</option>'
             for i, variant in enumerate(chart.variants)
         )
-        controls = f'<label class=control>shown as <select data-variants="{name}">{options}</select></label>'
+        select = f'<select data-variants="{name}">{options}</select>'
+        controls = f"<label class=control>shown as {select}</label>"
     note = chart.note or (chart.variants[0].note if chart.variants else "")
-    wide = " wide" if chart.wide else ""
+    shape = (" wide" if chart.wide else "") + (" tall" if chart.tall else "")
     return (
-        f'<section class="chart{wide}" aria-labelledby="h-{name}"><div class=head>'
+        f'<section class="chart{shape}" aria-labelledby="h-{name}"><div class=head>'
         f'<h3 id="h-{name}">{html.escape(chart.title)}</h3>{controls}</div>'
         f'<div id="{name}" class=plot role=img aria-label="{html.escape(chart.title)}"></div>'
         f'<p class=note id="n-{name}">{html.escape(note)}</p></section>'

@@ -3,32 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
-import numpy as np
-
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.report.chart import Chart, components, one_curve_each
+from spacecraft_gnc.analysis import style
+from spacecraft_gnc.analysis.report.chart import Chart, components, one_curve_each, over_time
 from spacecraft_gnc.analysis.report.envelope import per_interval
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.traces import axis, figure, label, log_axis
-from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.analysis.report.traces import axis, label, log_axis
+from spacecraft_gnc.analysis.sources import source_colour, source_name, stretches
 
-_MISSING: Final = -1
-_NAMES: Final = {_MISSING: "not recorded", **{int(s): _name for s in Source
-                 for _name in [s.name.lower().replace("_", " ")]}}  # fmt: skip
 _BAND_HEIGHT: Final = 34  # [px]
-
-
-class Stretch(NamedTuple):
-    """Consecutive steps whose torque came from one source."""
-
-    source: int
-    begin: float
-    """[s]"""
-    end: float
-    """[s]"""
-    steps: int
 
 
 def source_chart(runs: Sequence[Run], points: int) -> Chart:
@@ -37,20 +21,27 @@ def source_chart(runs: Sequence[Run], points: int) -> Chart:
     bars: dict[int, dict[str, Any]] = {}
     merged = False
     for name, run in zip(names, runs, strict=True):
-        found = stretches(run, points)
-        merged |= per_interval(run.trajectory.n_steps, points) > 1
-        for stretch in found:
+        width = per_interval(run.trajectory.n_steps, points)
+        merged |= width > 1
+        for stretch in stretches(run.trajectory, width):
             bar = bars.setdefault(stretch.source, _bar(stretch.source))
             bar["y"].append(name)
             bar["base"].append(stretch.begin)
             bar["x"].append(stretch.end - stretch.begin)
             bar["customdata"].append([stretch.begin, stretch.end, stretch.steps])
-    x = axis("time [s]")
-    y = axis("", autorange="reversed", showticklabels=len(runs) > 1, ticks="")
-    drawn = figure([bars[source] for source in sorted(bars)], [y], x)
+    y = axis(
+        "",
+        autorange="reversed",
+        showticklabels=len(runs) > 1,
+        ticks="",
+        categoryorder="array",
+        categoryarray=names,
+    )
+    drawn = over_time(runs, [bars[source] for source in sorted(bars)], y)
     drawn["layout"].update(
         {
             "barmode": "overlay",
+            "showlegend": True,  # of a single source too
             "bargap": 0.25,
             "hovermode": "closest",
             "height": 110 + _BAND_HEIGHT * len(runs),
@@ -62,39 +53,16 @@ def source_chart(runs: Sequence[Run], points: int) -> Chart:
     return Chart("sources", "Source of the torque", note, drawn, wide=True)
 
 
-def stretches(run: Run, points: int) -> list[Stretch]:
-    """Return the stretches of one source; of a long run, the lowest rung of each interval."""
-    sources = run.trajectory.source
-    times = series.state_times(run.trajectory)
-    width = per_interval(len(sources), points)
-    starts = np.arange(0, len(sources), width)
-    rung = np.where(sources == _MISSING, max(Source) + 1, sources)  # what is unknown is worst
-    worst = np.maximum.reduceat(rung, starts)
-    changes = np.flatnonzero(np.append(True, worst[1:] != worst[:-1]))
-    begins = starts[changes]
-    ends = np.append(begins[1:], len(sources))
-    return [
-        Stretch(
-            _MISSING if worst[change] > max(Source) else int(worst[change]),
-            float(times[begin]),
-            float(times[end]),
-            int(end - begin),
-        )
-        for change, begin, end in zip(changes, begins, ends, strict=True)
-    ]
-
-
 def _bar(source: int) -> dict[str, Any]:
-    colour = style.MUTED if source == _MISSING else style.SOURCE_COLOURS[source]
     return {
         "type": "bar",
         "orientation": "h",
-        "name": _NAMES[source],
+        "name": source_name(source),
         "y": [],
         "base": [],
         "x": [],
         "customdata": [],
-        "marker": {"color": colour, "line": {"width": 0}},
+        "marker": {"color": source_colour(source), "line": {"width": 0}},
         "hovertemplate": "%{customdata[0]:.6g} s to %{customdata[1]:.6g} s: %{customdata[2]} steps",
     }
 
@@ -113,19 +81,19 @@ def invariant_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
     )
     if energy:
         note = f"Rotational; only torque changes it. {origin}"
-        drawn = figure(energy, [axis(f"energy [{unit.label}]", rangemode="tozero")])
+        drawn = over_time(runs, energy, axis(f"energy [{unit.label}]", rangemode="tozero"))
         yield Chart("energy", "Kinetic energy", note, drawn)
     unit = style.prefixed("N m s", *(run.telemetry.inertial_momentum for run in runs))
     drawn = components(
         runs, points, lambda run: run.telemetry.inertial_momentum, "XYZ", "momentum", unit
     )
     note = f"Components in the inertial frame; only torque changes it. {origin}"
-    yield Chart("inertial_momentum", "Inertial angular momentum", note, drawn)
+    yield Chart("inertial_momentum", "Inertial angular momentum", note, drawn, tall=len(runs) > 1)
     defect = list(
         one_curve_each(
             runs, points, lambda run: run.telemetry.orthogonality_error, "defect of the rotation"
         )
     )
-    note = f"Frobenius norm of RᵀR − I; 1e-15 is the rounding of doubles. {origin}"
-    drawn = figure(defect, [log_axis("orthogonality error [-]")])
+    note = f"Frobenius norm of RᵀR - I; 1e-15 is the rounding of doubles. {origin}"
+    drawn = over_time(runs, defect, log_axis("orthogonality error [-]"))
     yield Chart("orthogonality", "Orthogonality of the attitude", note, drawn, scale="yaxis")

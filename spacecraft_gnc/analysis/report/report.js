@@ -5,6 +5,9 @@ const report = JSON.parse(document.getElementById("report-data").textContent);
 const plotConfig = {
   responsive: true,
   displaylogo: false,
+  displayModeBar: "hover",
+  showSendToCloud: false, // plotly.js would offer to upload the flight
+  plotlyServerURL: "",
   modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
   toImageButtonOptions: { format: "svg" },
 };

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
     from spacecraft_gnc.recording.run_info import RunInfo
     from spacecraft_gnc.scenario import Scenario
 
-_BAG_FOLDER = "bag"  # what `gnc launch` calls it: its parent is the name of the run
 _LOSSES = "losses"  # metadata record: steps that the recorder missed, by topic
 
 
@@ -54,15 +52,24 @@ class Run:
         for topic, count in self.info.metadata.get(_LOSSES, {}).items():
             # The plant sends the wall timing a few times a second only: its gaps are no losses.
             if count not in ("0", "") and not topic.endswith(WALL_TIMING):
-                lines.append(f"the recorder counted {count} lost steps on {topic}")
-        if self.metrics["missing_steps"]:
-            lines.append(
-                f"{self.metrics['missing_steps']} steps are incomplete: gaps in the curves"
-            )
-        if self.metrics["unconverged_steps"]:
-            lines.append(f"{self.metrics['unconverged_steps']} solves did not converge")
-        if self.metrics["fallback_steps"]:
-            lines.append(f"{self.metrics['fallback_steps']} steps flew on a fallback torque")
+                lines.append(f"{topic}: steps lost by the recorder: {count}")
+        counted = {
+            "missing_steps": "steps without a state or a torque (gaps in the curves)",
+            "unconverged_steps": "solves that did not converge",
+            "fallback_steps": "steps flown on a fallback torque",
+            "inadmissible_steps": "steps without an admissible reference",
+        }
+        for key, what in counted.items():
+            if self.metrics[key]:
+                lines.append(f"{what}: {self.metrics[key]}")
+        margins = self.metrics["zone_margin_deg"].items()
+        lines += [
+            f"pointing zone {name} was violated by {-margin:.3g} deg"
+            for name, margin in margins
+            if margin is not None and margin < 0.0
+        ]
+        if self.verdict.passed is False:
+            lines.append(f"the audit failed: {self.verdict.text}")
         if self.scenario is None:
             lines.append("the scenario is not known: no torque limit, no zones, no cost")
         return lines
@@ -102,23 +109,5 @@ def read_run(
         telemetry=read_telemetry(flight, known, allow_unfinished=allow_unfinished),
         scenario=known,
         metrics=summarize(flight.trajectory, known),
-        verdict=audit_verdict(flight),
+        verdict=audit_verdict(path, allow_unfinished=allow_unfinished),
     )
-
-
-def run_name(path: Path) -> str:
-    """Return a short name of the run in a bag or file."""
-    resolved = path.resolve()
-    if resolved.is_dir() and resolved.name == _BAG_FOLDER and resolved.parent.name:
-        return resolved.parent.name
-    return resolved.name if resolved.is_dir() else resolved.stem
-
-
-def run_names(paths: Iterable[Path]) -> list[str]:
-    """Return a name for each run; where short ones would be the same, the paths as given."""
-    paths = list(paths)
-    short = [run_name(path) for path in paths]
-    if len(set(short)) == len(short):
-        return short
-    full = [str(path) for path in paths]
-    return [f"{path} ({i})" if full.count(path) > 1 else path for i, path in enumerate(full, 1)]

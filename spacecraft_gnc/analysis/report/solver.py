@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 
 from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.report.chart import HELD, Chart, one_curve_each
+from spacecraft_gnc.analysis.report.chart import HELD, Chart, named, one_curve_each, over_time, span
 from spacecraft_gnc.analysis.report.runs import Run
 from spacecraft_gnc.analysis.report.traces import (
     Trace,
     axis,
     figure,
     label,
-    level,
+    limit,
     log_axis,
     packed,
     run_line,
@@ -50,17 +50,16 @@ def _iterations(runs: Sequence[Run], points: int) -> Chart:
             traces.append(_marks(runs, i, run.trajectory.time[failed], counts(run)[failed]))
     y = axis("iterations [-]", rangemode="tozero", tickformat="d")
     note = "Of the solve behind each command."
-    return Chart("iterations", "Solver iterations", note, figure(traces, [y]))
+    return Chart("iterations", "Solver iterations", note, over_time(runs, traces, y))
 
 
 def _marks(runs: Sequence[Run], index: int, times: Array, values: Array) -> Trace:
-    name = "not converged" if len(runs) == 1 else f"{runs[index].name}: not converged"
     return {
         "type": "scatter",
         "mode": "markers",
         "x": packed(times),
         "y": packed(values),
-        "name": label(name),
+        "name": label(named(runs, runs[index], "not converged")),
         "marker": {"symbol": "x", "size": 7, "color": style.LIMIT_COLOUR},
     }
 
@@ -70,13 +69,10 @@ def _residual(runs: Sequence[Run], points: int) -> Chart:
     tolerances = {
         run.scenario.controller.residual_tolerance for run in runs if run.scenario is not None
     }
-    for tolerance in sorted(tolerances):
-        span = (runs[0].trajectory.time[0], max(run.metrics["duration"] for run in runs))
-        traces.append(level(span, tolerance, f"tolerance {tolerance:g}"))
+    traces += [limit(span(runs), (t, t), f"tolerance {t:g}") for t in sorted(tolerances)]
     note = "Euclidean norm of the optimality conditions when the solve ended."
-    return Chart(
-        "residual", "Residual", note, figure(traces, [log_axis("residual [-]")]), scale="yaxis"
-    )
+    drawn = over_time(runs, traces, log_axis("residual [-]"))
+    return Chart("residual", "Residual", note, drawn, scale="yaxis")
 
 
 def _curvature(runs: Sequence[Run], points: int) -> Iterator[Chart]:
@@ -88,7 +84,9 @@ def _curvature(runs: Sequence[Run], points: int) -> Iterator[Chart]:
             runs, "min_curvature"
         )
         y = axis("curvature [cost per (N m)²]", rangemode="tozero")
-        yield Chart("curvature", "Least curvature of the solution", note, figure(traces, [y]))
+        yield Chart(
+            "curvature", "Least curvature of the solution", note, over_time(runs, traces, y)
+        )
 
 
 def _radius(runs: Sequence[Run], points: int) -> Iterator[Chart]:
@@ -96,17 +94,18 @@ def _radius(runs: Sequence[Run], points: int) -> Iterator[Chart]:
         one_curve_each(runs, points, lambda run: run.telemetry.closed_loop_radius, "radius", **HELD)
     )
     if traces:
-        span = (runs[0].trajectory.time[0], max(run.metrics["duration"] for run in runs))
-        traces.append(level(span, 1.0, "stable below 1"))
+        traces.append(limit(span(runs), (1.0, 1.0), "stable below 1"))
         note = (
             "Spectral radius of the closed loop linearised at a standstill away from the target; "
             "above 1 it is unstable. Known at standstills only."
         )
-        y = axis("spectral radius [-]")
+        y = axis("spectral radius [-]", rangemode="tozero")
         for item in traces[:-1]:
             item["mode"] = "lines+markers"  # a standstill of one step is a point
             item["marker"] = {"size": 4}
-        yield Chart("radius", "Closed-loop radius at a standstill", note, figure(traces, [y]))
+        yield Chart(
+            "radius", "Closed-loop radius at a standstill", note, over_time(runs, traces, y)
+        )
 
 
 def _absent(runs: Sequence[Run], name: str) -> str:
@@ -116,7 +115,12 @@ def _absent(runs: Sequence[Run], name: str) -> str:
 
 def _solve_times(runs: Sequence[Run]) -> Chart:
     known = [_positive(run.trajectory.solve_time) for run in runs]
-    deadlines = {value: text for run in runs for value, text in [_deadline(run)] if value}
+    deadlines = {
+        value: text
+        for run in runs
+        for value, text in [series.solve_deadline(run.scenario)]
+        if value
+    }
     unit = style.prefixed("s", *(values for values in known))
     every = np.concatenate([*known, np.array([*deadlines, *([1e-6] if not deadlines else [])])])
     low, high = math.log10(every.min()), math.log10(every.max())
@@ -124,16 +128,18 @@ def _solve_times(runs: Sequence[Run]) -> Chart:
     traces = [_bars(runs, i, values, edges, unit) for i, values in enumerate(known) if values.size]
     top = max((int(max(item["customdata"])) for item in traces), default=1)
     for value, text in deadlines.items():
-        line = {"color": style.LIMIT_COLOUR, "dash": "dash", "width": 1.5}
         x = unit.factor * value
-        traces.append(level((x, x), 0.0, text, x=[x, x], y=[0, top], line=line))
+        traces.append(limit((x, x), (0.0, top), text))
     drawn = figure(
         traces,
         [axis("solves [-]", rangemode="tozero")],
         log_axis(f"wall time of a solve [{unit.label}]"),
     )
     drawn["layout"].update({"barmode": "overlay", "bargap": 0, "hovermode": "closest"})
-    note = "Wall clock of this run's machine; logarithmic bins."
+    note = (
+        "Wall clock of the machine that flew; logarithmic bins. In lockstep there is no deadline: "
+        "the control period is drawn instead."
+    )
     return Chart("solve_time", "Solve-time histogram", note, drawn)
 
 
@@ -159,38 +165,26 @@ def _positive(values: Array) -> Array:
     return np.asarray(values[np.isfinite(values) & (values > 0.0)])
 
 
-def _deadline(run: Run) -> tuple[float, str]:
-    """Return the wall time that a solve may take [s], and its label; 0: not known."""
-    if run.scenario is None:
-        return 0.0, ""
-    period = run.scenario.period
-    if run.scenario.plant.mode == "free_run":
-        deadline = period / run.scenario.plant.real_time_factor
-        return deadline, f"deadline {deadline:g} s"
-    return period, f"control period {period:g} s (lockstep: no deadline)"
-
-
 def _governor(runs: Sequence[Run], points: int) -> Iterator[Chart]:
-    governed = [run for run in runs if series.is_governed(run.trajectory)]
-    if not governed:
-        return
-    traces = one_curve_each(runs, points, lambda run: run.trajectory.alpha, "alpha", **HELD)
-    y = axis("alpha [-]", range=[-0.03, 1.03])
-    note = "Share of the way to the target, or to the next waypoint, that the governor allowed."
-    yield Chart("alpha", "Governor: share of the way", note, figure(traces, [y]))
+    def alpha(run: Run) -> Array:
+        governed = series.is_governed(run.trajectory)
+        return np.where(governed, run.trajectory.alpha, math.nan)
 
     def margin(run: Run) -> Array:
         values = run.trajectory.governor_margin
         return np.where(np.isfinite(values), values, math.nan)
 
+    shares = list(one_curve_each(runs, points, alpha, "alpha", **HELD))
+    if shares:
+        y = axis("alpha [-]", range=[-0.03, 1.03])
+        note = "Share of the way to the target, or to the next waypoint, that the governor allowed."
+        yield Chart("alpha", "Governor: share of the way", note, over_time(runs, shares, y))
     margins = list(one_curve_each(runs, points, margin, "margin", **HELD))
     if margins:
-        zero = level(
-            (governed[0].trajectory.time[0], governed[0].metrics["duration"]), 0.0, "limit"
-        )
+        margins.append(limit(span(runs), (0.0, 0.0), "limit"))
         note = (
             "Smallest distance to any constraint over each prediction, in the unit of the "
             "constraint it belongs to (rad, N m or -)."
         )
         y = axis("margin [rad, N m or -]")
-        yield Chart("margin", "Governor: predicted margin", note, figure([*margins, zero], [y]))
+        yield Chart("margin", "Governor: predicted margin", note, over_time(runs, margins, y))

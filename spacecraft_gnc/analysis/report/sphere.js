@@ -153,7 +153,8 @@ function sceneLayout() {
   return { margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#fff", showlegend: true,
     font: { family: "system-ui, sans-serif", size: 12 },
     legend: { orientation: "h", x: 0, y: 0, yanchor: "top" },
-    scene: { xaxis: hidden, yaxis: hidden, zaxis: hidden, aspectmode: "cube", dragmode: "orbit",
+    scene: { xaxis: hidden, yaxis: hidden, zaxis: hidden, aspectmode: "manual",
+      aspectratio: { x: 2, y: 2, z: 2 }, dragmode: "orbit",
       camera: { eye: { x: 1.05, y: 0.85, z: 0.6 }, projection: { type: "orthographic" } } } };
 }
 

@@ -13,7 +13,7 @@ from spacecraft_gnc.analysis import series, style
 from spacecraft_gnc.analysis.report.envelope import strided
 from spacecraft_gnc.analysis.report.runs import Run
 from spacecraft_gnc.analysis.report.traces import label, packed
-from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.analysis.sources import source_name
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -66,14 +66,10 @@ def _run_data(run: Run, points: int) -> dict[str, Any]:
         "error": packed(series.settling_error_deg(trajectory, run.scenario)[chosen]),
         "momentum": packed(momenta[chosen]),
         "torque": packed(trajectory.torque[steps]),
-        "source": [_source_name(int(s)) for s in trajectory.source[steps]],
+        "source": [source_name(int(s)) for s in trajectory.source[steps]],
         **{name: packed(array) for name, array in values.items()},
         "zones": [_zone_data(zone) for zone in zones],
     }
-
-
-def _source_name(source: int) -> str:
-    return "not recorded" if source < 0 else Source(source).name.lower().replace("_", " ")
 
 
 def _zone_data(zone: ZoneParameters) -> dict[str, Any]:

@@ -29,6 +29,8 @@ _ROWS: Final = (
     _Row("Error below 0.1° for good from", "settle_time_0.1deg", "s"),
     _Row("Momentum at the end", "final_momentum", "N m s"),
     _Row("Whole way allowed from", "alpha_one_time", "s"),
+    _Row("Error to the last reference", "final_reference_error_deg", "deg"),
+    _Row("Steps without an admissible reference", "inadmissible_steps"),
     _Row("Least governor margin", "min_governor_margin"),
     _Row("Largest torque", "max_torque", "N m", 8),
     _Row("Torque limit", "torque_limit", "N m", 8),
@@ -48,6 +50,8 @@ _ROWS: Final = (
     _Row("Largest error of those", "neighboring_error", "N m"),
     _Row("Incomplete steps", "missing_steps"),
 )
+_NOTHING: Final = "-"
+_CHECK_HEADS: Final = ("Check", "Steps", "Worst", "Tolerance", "Verdict")
 _BADGES: Final = {True: "passed", False: "failed", None: "unknown"}
 
 
@@ -80,12 +84,21 @@ def warnings(runs: Sequence[Run]) -> str:
 
 
 def verdicts(runs: Sequence[Run]) -> str:
-    """Return the verdict of each run's audit in full."""
-    items = [
-        f"<li>{_badge(run)} <b>{_text(run.name)}</b>: {_text(run.verdict.text)}</li>"
-        for run in runs
-    ]
-    return f'<ul class="verdicts">{"".join(items)}</ul>'
+    """Return the audit of each run; its table is folded up."""
+    return "".join(_audit(run) for run in runs)
+
+
+def _audit(run: Run) -> str:
+    text = f"{_badge(run)} {_text(run.name)}: <span class=unit>{_text(run.verdict.text)}</span>"
+    if not run.verdict.checks:
+        return f"<p>{text}</p>"
+    heads = "".join(f"<th scope=col>{name}</th>" for name in _CHECK_HEADS)
+    rows = "".join(
+        f"<tr>{''.join(f'<td>{_text(cell)}</td>' for cell in line)}</tr>"
+        for line in run.verdict.checks
+    )
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+    return f"<details><summary>{text}</summary><div class=scroll>{table}</div></details>"
 
 
 def scenarios(runs: Sequence[Run]) -> str:
@@ -138,7 +151,7 @@ def _cells(row: _Row, values: Sequence[Any]) -> list[str]:
 
 
 def _number(row: _Row, value: float | None) -> str:
-    return "–" if value is None else f"{row.factor * value:.{row.digits}g}"
+    return _NOTHING if value is None else f"{row.factor * value:.{row.digits}g}"
 
 
 def _difference(row: _Row, value: float | None, first: float | None) -> str:
@@ -152,7 +165,7 @@ def _difference(row: _Row, value: float | None, first: float | None) -> str:
 
 def _method(run: Run) -> str:
     if run.scenario is None:
-        return "–"
+        return _NOTHING
     controller, governor = run.scenario.controller, run.scenario.governor.governor
     parts = [controller.method, f"N = {controller.horizon}"]
     parts += [f"governor {governor}"] if governor != "none" else []

@@ -18,7 +18,9 @@ Trace = dict[str, Any]
 _DASHES: Final = ("solid", "dash", "dot", "dashdot")
 _COMPONENT_COLOURS: Final = (*style.AXIS_COLOURS, "#CC79A7")
 _HEIGHT: Final = 320  # [px]
-_ROW_HEIGHT: Final = 165  # [px]
+_TALL: Final = 740  # [px] two diagrams above each other with what is written about them
+_LEGEND_LINE: Final = 19  # [px]
+_LEGEND_ENTRIES: Final = 3  # that fit beside each other
 _GAP: Final = 0.05  # between rows, share of the height
 
 
@@ -77,17 +79,16 @@ def trace(curve: Curve, points: int) -> Trace:
     }
 
 
-def level(times: Sequence[float], value: float, text: str, **options: Any) -> Trace:
-    """Return a horizontal line from the first to the last of ``times``."""
+def limit(x: Sequence[float], y: Sequence[float], text: str) -> Trace:
+    """Return the straight line of a limit through two points."""
     return {
         "type": "scatter",
         "mode": "lines",
-        "x": [float(times[0]), float(times[-1])],
-        "y": [value, value],
+        "x": [float(value) for value in x],
+        "y": [float(value) for value in y],
         "name": label(text),
         "line": {"color": style.LIMIT_COLOUR, "dash": "dash", "width": 1.3},
         "hoverinfo": "skip",
-        **options,
     }
 
 
@@ -108,28 +109,31 @@ def axis(title: str, **options: Any) -> dict[str, Any]:
 
 
 def figure(
-    traces: Iterable[Trace], y: Sequence[Mapping[str, Any]], x: Mapping[str, Any] | None = None
+    traces: Iterable[Trace], y: Sequence[Mapping[str, Any]], x: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return a figure with one diagram for each of ``y``, above each other over one axis ``x``."""
     rows = len(y)
     height = (1.0 - _GAP * (rows - 1)) / rows
+    traces = list(traces)
+    shown = sum(item.get("showlegend", True) for item in traces)
+    legend = _LEGEND_LINE * max(0, shown - _LEGEND_ENTRIES)
     layout: dict[str, Any] = {
-        "height": _HEIGHT if rows == 1 else 90 + _ROW_HEIGHT * rows,
-        "margin": {"l": 64, "r": 14, "t": 10, "b": 46},
+        "height": _HEIGHT + legend if rows == 1 else _TALL,
+        "margin": {"l": 64, "r": 14, "t": 52, "b": 46},
         "font": {"family": "system-ui, sans-serif", "size": 12, "color": style.INK},
         "paper_bgcolor": "#FFFFFF",
         "plot_bgcolor": "#FFFFFF",
         "hovermode": "x unified" if rows == 1 else "x",
         "legend": {"orientation": "h", "x": 0.0, "y": 1.01, "yanchor": "bottom"},
-        "xaxis": {**(x or axis("time [s]")), "anchor": f"y{rows}" if rows > 1 else "y"},
+        "xaxis": {**x, "anchor": f"y{rows}" if rows > 1 else "y"},
     }
     for i, options in enumerate(y):
         top = 1.0 - i * (height + _GAP)
         name = "yaxis" if i == 0 else f"yaxis{i + 1}"
         layout[name] = {**options, "domain": [max(0.0, top - height), top]}
-    return {"data": list(traces), "layout": layout}
+    return {"data": traces, "layout": layout}
 
 
 def log_axis(title: str, **options: Any) -> dict[str, Any]:
     """Return a logarithmic axis."""
-    return axis(title, type="log", dtick=None, exponentformat="power", **options)
+    return axis(title, type="log", tickformat="~g", **options)

@@ -1,0 +1,6 @@
+"""A bag as a table or as arrays for other tools: CSV, Parquet, NPZ, MAT."""
+
+from spacecraft_gnc.analysis.export.formats import SUFFIXES, write_export
+from spacecraft_gnc.analysis.export.topics import Export, read_export
+
+__all__ = ["SUFFIXES", "Export", "read_export", "write_export"]

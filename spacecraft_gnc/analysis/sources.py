@@ -1,0 +1,66 @@
+"""Where the torques of a flight came from, as stretches of time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc.analysis import series, style
+from spacecraft_gnc.loop.protocols import Source
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+
+NOT_RECORDED: Final = -1
+
+
+class Stretch(NamedTuple):
+    """Consecutive steps whose torque came from one source."""
+
+    source: int
+    """Of `loop.Source`, or `NOT_RECORDED`."""
+    begin: float
+    """[s]"""
+    end: float
+    """[s]"""
+    steps: int
+
+
+def source_name(source: int) -> str:
+    """Return a source in words."""
+    return "not recorded" if source < 0 else Source(source).name.lower().replace("_", " ")
+
+
+def source_colour(source: int) -> str:
+    """Return the colour of a source."""
+    return style.MUTED if source < 0 else style.SOURCE_COLOURS[source]
+
+
+def stretches(trajectory: Trajectory, width: int = 1) -> list[Stretch]:
+    """Return the stretches of one source, in order.
+
+    Parameters
+    ----------
+    trajectory
+        What was flown.
+    width
+        Steps that are taken together: the lowest rung of the ladder among them counts, and what was
+        not recorded below all.
+    """
+    sources, times = trajectory.source, series.state_times(trajectory)
+    starts = np.arange(0, len(sources), width)
+    lowest = max(Source) + 1
+    rungs = np.maximum.reduceat(np.where(sources < 0, lowest, sources), starts)
+    changes = np.flatnonzero(np.append(True, rungs[1:] != rungs[:-1]))
+    begins = starts[changes]
+    ends = np.append(begins[1:], len(sources))
+    return [
+        Stretch(
+            NOT_RECORDED if rung == lowest else int(rung),
+            float(times[begin]),
+            float(times[end]),
+            int(end - begin),
+        )
+        for rung, begin, end in zip(rungs[changes], begins, ends, strict=True)
+    ]

@@ -1,0 +1,236 @@
+"""The report as a file: complete, honest, safe, and small enough."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from analysis.flights import at_rest, case1
+from analysis.report_pages import NASTY, SCENARIO, bag, flight, page
+
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.analysis.report import read_run, report_html
+from spacecraft_gnc.analysis.sources import stretches
+from spacecraft_gnc.cli.main import main
+
+MEGABYTE = 1_000_000
+
+
+class Page(HTMLParser):
+    """A page as a browser's parser sees it."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.addresses, self.scripts, self.texts, self.tags = [], [], [], []
+        self._inside = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self._inside = tag
+        self.tags.append(tag)
+        self.addresses += [v for k, v in attributes if k in ("src", "href", "srcset", "action")]
+
+    def handle_endtag(self, tag):
+        self._inside = ""
+
+    def handle_data(self, data):
+        (self.scripts if self._inside == "script" else self.texts).append(data)
+
+    @property
+    def data(self):
+        return json.loads(self.scripts[0])
+
+    @property
+    def text(self):
+        return "".join(self.texts)
+
+    def chart(self, name):
+        return next(chart for chart in self.data["charts"] if chart["name"] == name)
+
+
+def numbers(array):
+    return np.frombuffer(base64.b64decode(array["bdata"]), dtype=array["dtype"])
+
+
+@pytest.fixture(scope="module")
+def nasty(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("report")
+    paths = [bag(folder / "one"), flight(12).save(folder / "two.npz")]
+    return Page(page(folder / "r.html", paths, [NASTY, "two"]).read_text(encoding="utf-8"))
+
+
+def test_nothing_is_fetched(nasty):
+    assert all(address.startswith(("#", "data:")) for address in nasty.addresses)
+    assert len(nasty.scripts) == 3  # data, plotly.js once, ours
+
+
+def test_what_a_user_wrote_is_text_and_never_markup(nasty):
+    assert nasty.tags.count("script") == 3
+    assert nasty.text.count(NASTY) >= 4  # heading, table, selector, scenario
+    labels = {trace["name"] for trace in nasty.chart("error")["figure"]["data"]}
+    assert html.escape(NASTY) in labels  # plotly.js reads a little HTML
+    assert SCENARIO.strip() in nasty.text
+
+
+def test_the_curves_are_the_recorded_numbers(nasty):
+    flown = flight()
+    (first, _) = nasty.chart("torque_norm")["figure"]["data"][:2]
+    norm = 1e3 * series.torque_norm(flown)
+    np.testing.assert_allclose(numbers(first["y"])[:-1], norm, rtol=1e-15)
+    np.testing.assert_array_equal(numbers(first["x"]), series.state_times(flown))
+    run = nasty.data["sphere"]["runs"][0]
+    recorded = series.attitudes(flown).ravel()
+    np.testing.assert_array_equal(numbers(run["attitude"]), recorded)
+
+
+def test_every_run_is_in_every_vector(nasty):
+    for name in ("momentum", "torque", "inertial_momentum"):
+        figure = nasty.chart(name)["figure"]
+        assert len(figure["data"]) == 6  # x, y, z of two runs
+        assert "body" in SCENARIO
+
+
+def test_the_representations_say_what_they_are(nasty):
+    variants = {v["name"]: v for v in nasty.chart("attitude")["variants"]}
+    assert list(variants) == ["quaternion", "roll_pitch_yaw", "rotation_vector"]
+    assert all("body to inertial" in v["note"] for v in variants.values())
+    assert "x, y, z, w" in variants["quaternion"]["note"]
+    assert "Rz(yaw) Ry(pitch) Rx(roll)" in variants["roll_pitch_yaw"]["note"]
+    assert "gimbal lock: none" in variants["roll_pitch_yaw"]["note"]
+    units = {"quaternion": "[-]", "roll_pitch_yaw": "[deg]", "rotation_vector": "[rad]"}
+    for name, unit in units.items():
+        axes = variants[name]["figure"]["layout"]
+        assert axes["yaxis"]["title"]["text"].endswith(unit)
+
+
+def test_zones_cover_what_they_should(nasty):
+    star, station = nasty.data["sphere"]["runs"][0]["zones"]
+    for zone, axis, angle in ((star, [0, 1, 0], 5.0), (station, [0, 0, 1], 80.0)):
+        points = numbers(zone["points"]).reshape(-1, 3)
+        directions = points / np.linalg.norm(points, axis=1, keepdims=True)
+        away = np.degrees(np.arccos(np.clip(directions @ axis, -1.0, 1.0)))
+        assert away.max() == pytest.approx(angle)
+        border = numbers(zone["border"]).reshape(-1, 3)
+        assert len(border) == 72
+        assert max(max(corner) for corner in zone["triangles"]) == len(points) - 1
+    assert (star["boresight"], station["boresight"]) == (False, True)
+
+
+def test_losses_are_shown(tmp_path):
+    lost = [("attitude_reference", 3), ("solver_status", 4), ("attitude_state", 5)]
+    path = bag(tmp_path / "bag", lost=lost)
+    text = Page(report_html([read_run(path, "run")])).text
+    assert "attitude_reference lacks step 3" in text
+    assert "steps without a state or a torque (gaps in the curves): 1" in text
+    assert "steps flown on a fallback torque: 12" in text
+    assert "/solver_status: steps lost by the recorder: 1" in text
+
+
+def test_a_failed_audit_is_a_warning(tmp_path):
+    run = read_run(bag(tmp_path / "bag"), "run")
+    assert run.verdict.passed is False  # Case I was flown by another solver, invariants by none
+    text = Page(report_html([run])).text
+    assert f"the audit failed: {run.verdict.text}" in text
+    assert run.verdict.checks[0][0] in text
+
+
+def test_a_file_of_gnc_simulate_says_that_it_is_not_audited(nasty):
+    assert "not audited: a .npz file holds no plans" in nasty.text
+
+
+def test_the_difference_to_the_first_run_is_shown(tmp_path):
+    flown = flight()
+    paths = [
+        flown.save(tmp_path / "a.npz"),
+        replace(flown, iterations=flown.iterations + 2).save(tmp_path / "b.npz"),
+    ]
+    text = report_html([read_run(path, path.stem) for path in paths])
+    row = text.split("Iterations a solve, most</th>")[1].split("</tr>")[0]
+    assert row == '<td>2</td><td>4 <span class="difference">(+2, +100 %)</span></td>'
+
+
+def long_flight(n=100_000):
+    """Return a flight at rest with one spike that no picture may hide."""
+    rng = np.random.default_rng(3)
+    torque = 1e-3 * rng.normal(size=(n, 3))
+    torque[70_003] = [0.5, 0.0, 0.0]
+    source = np.zeros(n, dtype=np.int64)
+    source[70_005] = 4
+    solve_time = rng.uniform(1e-5, 1e-3, n)
+    return replace(at_rest(n), torque=torque, source=source, solve_time=solve_time)
+
+
+def test_a_long_run_is_an_envelope_and_says_so(tmp_path):
+    run = read_run(long_flight().save(tmp_path / "long.npz"), "long")
+    text = report_html([run])
+    assert len(text.encode()) < 10 * MEGABYTE
+    seen = Page(text)
+    assert "least and the greatest value of each interval" in seen.text
+    assert "every 34th state of long" in seen.text
+    norm = seen.chart("torque_norm")["figure"]["data"][0]
+    assert numbers(norm["y"]).max() == 0.5  # [N m]
+    zero = [stretch for stretch in stretches(run.trajectory, 50) if stretch.source == 4]
+    assert len(zero) == 1
+    assert zero[0].begin <= 0.4 * 70_005 <= zero[0].end
+
+
+def test_many_runs_stay_small_too(tmp_path):
+    path = case1().save(tmp_path / "a.npz")
+    text = report_html([read_run(path, f"run {i}") for i in range(12)])
+    assert len(text.encode()) < 10 * MEGABYTE
+
+
+@pytest.mark.parametrize("kept", [1, 2])
+def test_the_shortest_flights_have_a_report(tmp_path, kept):
+    path = bag(tmp_path / "bag", n=kept)
+    assert (
+        Page(report_html([read_run(path, "short")])).data["sphere"]["runs"][0]["count"] == kept + 1
+    )
+
+
+def run_command(*arguments):
+    """Run ``gnc report`` and return its exit code."""
+    with pytest.raises(SystemExit) as ended:
+        main(["report", *map(str, arguments)])
+    return ended.value.code or 0
+
+
+def test_the_command_writes_a_page_and_names_it(tmp_path, capsys):
+    path, out = bag(tmp_path / "bag"), tmp_path / "r.html"
+    assert run_command(path, "-o", out, "--title", "<i>Mine</i>") == 0
+    captured = capsys.readouterr()
+    assert captured.out == f"{out}\n"
+    assert "warning: " in captured.err
+    assert "<title>&lt;i&gt;Mine&lt;/i&gt;</title>" in out.read_text(encoding="utf-8")
+
+
+def test_json_holds_metrics_audit_and_warnings(tmp_path, capsys):
+    one, two = bag(tmp_path / "bag"), flight().save(tmp_path / "two.npz")
+    assert run_command(one, two, "-o", tmp_path / "r.html", "--json", "--quiet") == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert [run["name"] for run in answer["runs"]] == ["bag", "two"]
+    assert answer["runs"][0]["metrics"]["steps"] == 20
+    assert answer["runs"][1]["audit"]["passed"] is None
+    assert answer["bytes"] == (tmp_path / "r.html").stat().st_size
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"), [("none.npz", "cannot be read"), ("none", "no such file")]
+)
+def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, capsys, name, reason):
+    assert run_command(tmp_path / name, "-o", tmp_path / "r.html") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: ")
+    assert reason in line
+    assert not (tmp_path / "r.html").exists()
+
+
+def test_a_folder_that_is_missing_is_one_line(tmp_path, capsys):
+    path = flight().save(tmp_path / "two.npz")
+    assert run_command(path, "-o", tmp_path / "none" / "r.html") == 2
+    assert "cannot be written" in capsys.readouterr().err
