@@ -23,7 +23,7 @@ _MEANINGS: Final = {
     b"\x1bOA": "faster",
     b"\x1bOB": "slower",
 }
-_LONGEST: Final = 16  # bytes read at once: a key, or a few of one that is held down
+_LONGEST: Final = 1024  # bytes read at once
 
 
 @contextmanager
@@ -38,20 +38,35 @@ def pressed_keys() -> Iterator[Callable[[], str | None] | None]:
     descriptor = sys.stdin.fileno()
     before = termios.tcgetattr(descriptor)
     tty.setcbreak(descriptor)
+    keys = Keys(descriptor)
     try:
-        yield lambda: _key(descriptor)
+        yield keys.next
     finally:
         termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
 
 
-def _key(descriptor: int) -> str | None:
-    readable, _, _ = select.select([descriptor], [], [], 0.0)
-    return meaning(os.read(descriptor, _LONGEST)) if readable else None
+class Keys:
+    """What was typed, one meaning at a time.
 
+    Parameters
+    ----------
+    descriptor
+        File descriptor that is read, and never waited for.
+    """
 
-def meaning(typed: bytes) -> str | None:
-    """Return what the first key in ``typed`` means: pause, quit, back, forward, faster, slower."""
-    for sequence, word in _MEANINGS.items():
-        if typed.startswith(sequence):
-            return word
-    return None
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._typed = b""
+
+    def next(self) -> str | None:
+        """Return what the next key means (pause, quit, back, forward, faster, slower), or None."""
+        readable, _, _ = select.select([self._descriptor], [], [], 0.0)
+        if readable:
+            self._typed += os.read(self._descriptor, _LONGEST)
+        while self._typed:
+            for sequence, word in _MEANINGS.items():
+                if self._typed.startswith(sequence):
+                    self._typed = self._typed[len(sequence) :]
+                    return word
+            self._typed = self._typed[1:]
+        return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Iterator
@@ -47,10 +48,10 @@ def play(wish: Playing) -> None:
     from spacecraft_gnc.recording.playback import Playback
 
     rate = parse_rate(wish.rate)
-    if not 0.0 <= wish.patience < float("inf"):
+    if not 0.0 <= wish.patience < math.inf:
         raise ParameterError(
-            f"--patience: received {wish.patience:g} s; required a finite number >= 0; give for example "
-            "2.0"
+            f"--patience: received {wish.patience:g} s; required a finite number >= 0; give for "
+            "example 2.0"
         )
     if wish.source.suffix == ".npz" and wish.source.is_file():
         raise RecordingError(
@@ -93,7 +94,7 @@ def parse_rate(text: str) -> float:
         rate = float(text)
     except ValueError:
         rate = -1.0
-    if not 0.0 <= rate < float("inf"):
+    if not 0.0 <= rate < math.inf:
         raise ParameterError(
             f"--rate: received {text!r}; required a number >= 0, where 0 or "
             f"{AS_FAST_AS_IT_GOES!r} means as fast as it goes; give for example 1.0"
@@ -140,14 +141,14 @@ def _run(wish: Playing, playback: Playback, plan: Plan, domain_id: int) -> None:
 
     silent = wish.quiet or wish.as_json
     with Player(playback, plan, domain_id) as player, pressed_keys() as key:
-        if not silent:
-            print(
-                f"{wish.source}: {playback.duration:g} s on ROS_DOMAIN_ID={domain_id}; look at it "
-                f"with gnc inspect topics --domain-id {domain_id}",
-                flush=True,
+        if not wish.quiet:
+            where = (
+                f"{playback.duration:g} s on ROS_DOMAIN_ID={domain_id}; look at it with gnc inspect"
             )
-            if key is not None:
-                print(_KEYS, flush=True)
+            stream = sys.stderr if wish.as_json else sys.stdout
+            print(f"{wish.source}: {where} topics --domain-id {domain_id}", file=stream, flush=True)
+        if key is not None and not silent:
+            print(_KEYS, flush=True)
         for name, reason in player.skipped.items():
             print(f"warning: {name} is not played: {reason}", file=sys.stderr, flush=True)
         player.await_subscribers()
@@ -160,7 +161,7 @@ def _run(wish: Playing, playback: Playback, plan: Plan, domain_id: int) -> None:
             def watch(clock: PlayClock, position: float) -> str | None:
                 state = "paused" if clock.paused else f"at rate {clock.rate:g}"
                 state = state if clock.paused or clock.rate else "as fast as it goes"
-                progress(int(position), int(playback.duration), f"playing {state} [s]")
+                progress(int(position), int(playback.duration), f"playing {state}, seconds")
                 return None if key is None else key()
 
             played = player.run(watch)

@@ -81,7 +81,7 @@ def solve_again(wish: Solving) -> None:
         raise RunFailed(
             f"{wish.source}: step {numbers['first_difference']}: {recorded.controller.method} "
             "commands another torque than it did in this lockstep flight; required the same bit "
-            "for bit; were bag, version of the package and machine the same?"
+            "for bit; find out whether it was restarted, or flew in another version or elsewhere"
         )
 
 
@@ -129,7 +129,8 @@ def _draw(
     from spacecraft_gnc.analysis.resolve_report import figure
 
     recorded, revised = (scenario.controller.method for scenario in scenarios)
-    drawn = figure(resolved, (recorded, revised), source.resolve().name)
+    names = (recorded, f"{revised} again" if revised == recorded else revised)
+    drawn = figure(resolved, names, "/".join(source.resolve().parts[-2:]))
     return save_figures([("replay", drawn)], folder, ("png", "svg"))
 
 
@@ -161,6 +162,17 @@ def _sides(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str
         ("time a solve", _time(old), _time(new)),
         ("steps not solved", str(old["unconverged_steps"]), str(new["unconverged_steps"])),
         ("torque from", _sources(old), _sources(new)),
+        *_standstills(old, new),
+    ]
+
+
+def _standstills(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Return the rows on standstills away from the target, where either side had one."""
+    rows = {"steps at a standstill": "stalled_steps", "steps leaving one": "escaping_steps"}
+    return [
+        (label, str(old[name]), str(new[name]))
+        for label, name in rows.items()
+        if old[name] or new[name]
     ]
 
 
@@ -191,7 +203,7 @@ def _at(m: dict[str, Any], name: str, unit: str, period: float) -> str:
 
 
 def _number(value: float | None, unit: str = "") -> str:
-    return "-" if value is None else f"{value:.4g} {unit}".rstrip()
+    return "-" if value is None else f"{value:.6g} {unit}".rstrip()
 
 
 def _iterations(side: dict[str, Any]) -> str:

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, SetOption
-from spacecraft_gnc.cli._domain import DomainOption
 from spacecraft_gnc.cli._play import Playing, play
 from spacecraft_gnc.cli._resolve import Solving, solve_again
 from spacecraft_gnc.errors import ParameterError
@@ -52,7 +51,9 @@ StartOption = Annotated[
     float | None, typer.Option("--start", metavar="S", help="Begin there [s after the start].")
 ]
 PausedOption = Annotated[bool, typer.Option("--paused", help="Begin paused.")]
-LoopOption = Annotated[bool, typer.Option("--loop", help="Begin again after the last message.")]
+LoopOption = Annotated[
+    bool, typer.Option("--loop", help="Begin again, at --start, after the last message.")
+]
 TopicsOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -64,13 +65,24 @@ WaitOption = Annotated[
     typer.Option(
         "--wait-for",
         metavar="TOPIC",
-        help="Begin once this one has a subscriber; several times.  [default: all that are played]",
+        help="Begin once this one has a subscriber; may be given several times.  [default: each]",
     ),
 ]
 PatienceOption = Annotated[
     float | None,
     typer.Option(
-        "--patience", metavar="S", help="But begin without subscribers after S [s].  [default: 2]"
+        "--patience", metavar="S", help="Begin without a subscriber after S [s].  [default: 2]"
+    ),
+]
+
+PlayDomainOption = Annotated[
+    int | None,
+    typer.Option(
+        "--domain-id",
+        metavar="N",
+        min=0,
+        max=232,
+        help="ROS_DOMAIN_ID to play on [the variable, else a free one].",
     ),
 ]
 
@@ -91,7 +103,7 @@ def replay(
     topics: TopicsOption = None,
     wait_for: WaitOption = None,
     patience: PatienceOption = None,
-    domain_id: DomainOption = None,
+    domain_id: PlayDomainOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,

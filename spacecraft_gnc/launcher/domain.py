@@ -154,7 +154,7 @@ def _refusal(domain_id: int, about: Mapping[str, Any]) -> str:
     holder = ", ".join(f"{key} {value}" for key, value in about.items()) or "another process"
     return (
         f"ROS_DOMAIN_ID: received {domain_id}, where another graph runs ({holder}); required a "
-        "domain of its own; end that graph or leave launcher.domain_id at -1 to take a free one"
+        "domain of its own; end that graph, or name no domain to take a free one"
     )
 
 

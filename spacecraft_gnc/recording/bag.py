@@ -55,12 +55,8 @@ class Bag:
         RecordingError
             If the file is damaged.
         """
-        chosen = [item for item in self._reader.connections if item.topic in topics]
-        if not chosen:  # an empty filter would mean every topic
-            return
-        with _damage(self.path):
-            for connection, _, data in self._reader.messages(connections=chosen):
-                yield connection.topic, data
+        for _, topic, data in self.timed(topics):
+            yield topic, data
 
     def recorded(
         self, topics: Collection[str], progress: Progress | None = None
@@ -76,6 +72,23 @@ class Bag:
             with _damage(self.path):
                 yield from scan(file, topics, progress)
 
+    def definition(self, topic: str) -> str:
+        """Return the .msg text of a topic's type as recorded, nested types behind it."""
+        found = next(item for item in self._reader.connections if item.topic == topic)
+        return str(found.msgdef.data)
+
+    def verify(self, progress: Progress | None = None) -> None:
+        """Compare every checksum in the files with what they hold.
+
+        Raises
+        ------
+        RecordingError
+            If a byte has changed since the bag was recorded.
+        """
+        for file in self._files:
+            with _damage(self.path):
+                verify(file, progress)
+
     def timed(self, topics: Collection[str], from_ns: int = 0) -> Iterator[tuple[int, str, bytes]]:
         """Yield (log time [ns], topic, serialized message) in their order, from a log time on.
 
@@ -85,7 +98,7 @@ class Bag:
             If the file is damaged.
         """
         chosen = [item for item in self._reader.connections if item.topic in topics]
-        if not chosen:
+        if not chosen:  # an empty filter would mean every topic
             return
         with _damage(self.path):
             for connection, stamp, data in self._reader.messages(chosen, start=from_ns):
@@ -103,23 +116,6 @@ class Bag:
             if connection.topic == topic:
                 found += getattr(connection.ext, "offered_qos_profiles", [])
         return [_profile(qos) for qos in found]
-
-    def definition(self, topic: str) -> str:
-        """Return the recorded text of a topic's message definition; empty where there is none."""
-        texts = (c.msgdef.data for c in self._reader.connections if c.topic == topic)
-        return next(texts, "")
-
-    def verify(self, progress: Progress | None = None) -> None:
-        """Compare every checksum in the files with what they hold.
-
-        Raises
-        ------
-        RecordingError
-            If a byte has changed since the bag was recorded.
-        """
-        for file in self._files:
-            with _damage(self.path):
-                verify(file, progress)
 
     def type_hash(self, topic: str) -> str:
         """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""

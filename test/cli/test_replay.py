@@ -11,6 +11,7 @@ import pytest
 from recording.bags import flight_messages, record
 
 from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.scenario import load
 
 CASE1 = Path(__file__).parents[2] / "config" / "gupta2015_case1.yaml"
@@ -75,7 +76,7 @@ def test_a_torque_that_the_controller_did_not_command_is_found(flown, tmp_path, 
 
 
 def test_in_free_run_nothing_has_to_repeat(flown, tmp_path, capsys):
-    scenario, flight = flown
+    _, flight = flown
     torque = flight.torque + 1e-6
     free = load(CASE1, SHORT | {"plant.mode": "free_run"})
     bag = record(tmp_path / "bag", flight_messages(replace(flight, torque=torque)), free.to_yaml())
@@ -125,7 +126,7 @@ def test_a_bag_without_a_scenario_is_refused(flown, tmp_path, capsys):
 
 
 def test_what_the_method_does_not_read_is_named(flown, tmp_path, capsys):
-    scenario, flight = flown
+    _, flight = flown
     estimated = load(CASE1, SHORT | {"nmpc_controller.variant": "estimated_du"})
     bag = record(tmp_path / "bag", flight_messages(flight), estimated.to_yaml())
     assert run(bag, "--method", "feedback") == 0
@@ -170,3 +171,12 @@ def test_what_is_no_bag_is_refused(tmp_path, capsys, options):
 def test_arrays_cannot_be_published(flown, tmp_path, capsys):
     file = flown[1].save(tmp_path / "flight.npz")
     assert "required a bag" in refusal(capsys, file, "--publish")
+
+
+def test_a_domain_in_use_is_refused(bag, capsys):
+    lock = domain.claim_free({"test": "replay"})
+    try:
+        arguments = (bag, "--publish", "--domain-id", lock.domain_id)
+        assert "where another graph runs (pid" in refusal(capsys, *arguments)
+    finally:
+        lock.release()

@@ -54,7 +54,7 @@ def load_of(scenario):
 
 
 def test_the_user_s_own_values_are_still_refused():
-    with pytest.raises(InvalidScenario, match="--set: nmpc_controller.weights.stage_rate"):
+    with pytest.raises(InvalidScenario, match=r"--set: nmpc_controller\.weights\.stage_rate"):
         revise(recorded("gupta2015_case1"), ["nmpc_controller.weights.stage_rate=2.0"], "shooting")
 
 

@@ -208,7 +208,7 @@ def _listener(server: FoxgloveServer, transport: Transport | None) -> Any:
 def announce_all(bag: Bag, playback: Playback, server: FoxgloveServer) -> None:
     """Offer every topic that is played, with its definition from the bag."""
     for name, topic in list(playback.topics.items()):
-        definition = bag.definition(name)
+        definition = bag.definition(name) if name in bag.topics else ""
         if definition:
             server.announce(name, topic.type_name, definition, latched=topic.is_latched)
         else:

@@ -1,0 +1,375 @@
+"""``gnc replay --publish``: a player process, and listeners in this one."""
+
+from __future__ import annotations
+
+import gc
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import sys
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import rclpy
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParameters
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from recording.bags import CODEC, announce, flight_messages, random_flight
+from rosgraph_msgs.msg import Clock
+from spacecraft_gnc_msgs.msg import (
+    AttitudeReference,
+    AttitudeState,
+    GovernorStatus,
+    PlantInvariants,
+    SolverStatus,
+    TorqueCommand,
+)
+from std_msgs.msg import String
+
+from spacecraft_gnc.launcher import environment
+from spacecraft_gnc.nodes._convert import decode_torque
+from spacecraft_gnc.nodes._topics import latched, reliable
+from spacecraft_gnc.recording._topic import step_of
+from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
+from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.recording.writer import BagWriter
+
+pytestmark = pytest.mark.graph
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE = 60.0
+STEPS = 40
+STEP_NS = 400_000_000
+TYPES = {
+    "/attitude_state": AttitudeState,
+    "/plant_invariants": PlantInvariants,
+    "/clock": Clock,
+    "/attitude_reference": AttitudeReference,
+    "/governor_status": GovernorStatus,
+    "/torque_command": TorqueCommand,
+    "/solver_status": SolverStatus,
+}
+STRING = "std_msgs/msg/String"
+
+
+def text(words: str) -> bytes:
+    message = CODEC.make("std_msgs/String", data=words)
+    return padded(bytes(CODEC.store.serialize_cdr(message, STRING)))
+
+
+def recorded(folder: Path, steps: int = STEPS) -> dict[str, list[bytes]]:
+    """Write a bag of a flight, a latched note, and topics of unknown and of changed types."""
+    payloads: dict[str, list[bytes]] = defaultdict(list)
+    note = QosProfile(depth=1, durability="transient_local")
+    with BagWriter(folder) as writer:
+        announce(writer)
+        writer.add_topic("/note", STRING, CODEC.texts[STRING], qos_yaml=qos_yaml(note))
+        writer.add_topic("/foreign", "absent_msgs/msg/Thing", "string data\n")
+        writer.add_topic("/other", "std_msgs/msg/Int32", "int64 data\n")
+        writer.write("/note", 0, 0, text("remember"))
+        writer.write("/other", 0, 0, b"\0\1\0\0" + bytes(8))
+        writer.write("/foreign", 0, 0, text("unknown"))
+        for topic, step, data in flight_messages(random_flight(steps)):
+            writer.write(f"/{topic}", step * STEP_NS, step * STEP_NS, data)
+            payloads[f"/{topic}"].append(data)
+    return dict(payloads)
+
+
+def stamp(step: int) -> bytes:
+    return struct.pack("<iI", *divmod(step * STEP_NS, 10**9))
+
+
+def padded(data: bytes) -> bytes:
+    """Return a message as RTPS carries it between two processes: whole words."""
+    return data + b"\0" * (-len(data) % 4)
+
+
+class Player:
+    """A process of ``gnc replay BAG --publish``."""
+
+    def __init__(self, bag: Path, *options: str, terminal: int | None = None) -> None:
+        env = environment.for_node(os.environ, 0)
+        for name in (environment.SUPERVISED, environment.DOMAIN_ID):
+            del env[name]
+        env["PYTHONPATH"] = str(ROOT)
+        env["TERM"] = "xterm"
+        command = [sys.executable, "-m", "spacecraft_gnc", "replay", str(bag), "--publish"]
+        self.process = subprocess.Popen(
+            [*command, "--patience", "50", *options],
+            env=env,
+            stdin=subprocess.DEVNULL if terminal is None else terminal,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE if terminal is None else terminal,
+            text=True,
+        )
+        assert self.process.stdout is not None
+        self.announced = self.process.stdout.readline()
+        found = re.search(r"ROS_DOMAIN_ID=(\d+);", self.announced)
+        assert found, self.announced
+        self.domain_id = int(found[1])
+
+    def end(self) -> tuple[str, str]:
+        """Wait for a good end; return what was printed."""
+        # not communicate(): it would leave out what was read ahead with the first line
+        with self.process as process:
+            assert process.stdout is not None
+            out = process.stdout.read()
+            err = process.stderr.read() if process.stderr else ""
+        assert self.process.returncode == 0, err
+        return out, err
+
+
+class Listener:
+    """Subscriptions in this process, on the player's domain."""
+
+    def __init__(self, domain_id: int) -> None:
+        environment.prepare(os.environ)
+        no_signals = SignalHandlerOptions.NO
+        rclpy.init(args=[], domain_id=domain_id, signal_handler_options=no_signals)
+        self.node = Node("listener")
+        self.executor = EventsExecutor()
+        self.executor.add_node(self.node)
+        self.heard: dict[str, list[bytes]] = defaultdict(list)
+
+    def listen(self, *topics: str, kind: Any = None, qos: QoSProfile | None = None) -> None:
+        for topic in topics:
+            message_type = kind or TYPES[topic]
+            callback = self.heard[topic].append
+            self.node.create_subscription(
+                message_type, topic, callback, qos or reliable(5000), raw=True
+            )
+
+    def spin_until(self, done: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not done():
+            assert time.monotonic() < deadline, "never came true"
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def call(self, service: Any, name: str, request: Any) -> Any:
+        client = self.node.create_client(service, f"/player/{name}")
+        self.spin_until(client.service_is_ready)
+        future = client.call_async(request)
+        self.spin_until(future.done)
+        return future.result()
+
+    def set(self, name: str, value: float | bool) -> Any:
+        kind = {"type": 1, "bool_value": value} if isinstance(value, bool) else {}
+        kind = kind or {"type": 3, "double_value": value}
+        parameter = Parameter(name=name, value=ParameterValue(**kind))
+        request = SetParameters.Request(parameters=[parameter])
+        return self.call(SetParameters, "set_parameters", request).results[0]
+
+    def get(self, name: str) -> Any:
+        request = GetParameters.Request(names=[name])
+        (value,) = self.call(GetParameters, "get_parameters", request).values
+        return value.bool_value if value.type == 1 else value.double_value
+
+    def steps(self, topic: str) -> list[int | None]:
+        return [step_of(data) for data in self.heard[topic]]
+
+    def close(self) -> None:
+        self.executor.remove_node(self.node)
+        self.node.destroy_node()
+        self.executor.shutdown()
+        rclpy.try_shutdown()
+        gc.collect()
+
+
+@pytest.fixture
+def play(tmp_path: Path) -> Iterator[Callable[..., tuple[Player, Listener]]]:
+    """Start a player of a bag, and a listener on its domain."""
+    started: list[Any] = []
+
+    def start(*options: str, bag: Path | None = None) -> tuple[Player, Listener]:
+        if bag is None:
+            bag = tmp_path / "bag"
+            recorded(bag)
+        player = Player(bag, *options)
+        started.append(player.process)
+        listener = Listener(player.domain_id)
+        started.append(listener)
+        return player, listener
+
+    yield start
+    for item in reversed(started):
+        if isinstance(item, Listener):
+            item.close()
+        elif item.poll() is None:
+            with item:
+                item.kill()
+
+
+def test_all_messages_arrive_as_recorded(play: Any, tmp_path: Path) -> None:
+    payloads = recorded(tmp_path / "all")
+    player, listener = play("--rate", "max", bag=tmp_path / "all")
+    listener.listen(*TYPES)
+    listener.listen("/note", kind=String, qos=latched(1))
+    count = sum(len(messages) for messages in payloads.values()) + STEPS + 2
+    listener.spin_until(lambda: sum(map(len, listener.heard.values())) >= count)
+    for topic, expected in payloads.items():
+        assert listener.heard[topic] == [padded(data) for data in expected]
+    assert listener.heard["/note"] == [text("remember")]
+    out, err = player.end()
+    assert f"played to its end, {6 * STEPS + 4 + STEPS} messages" in out
+    changed = "std_msgs/msg/Int32 is installed in another version than was recorded"
+    assert err.splitlines() == [
+        "warning: /foreign is not played: absent_msgs/msg/Thing is not installed",
+        f"warning: /other is not played: {changed}",
+    ]
+
+
+def test_who_joins_late_gets_what_is_latched(play: Any) -> None:
+    player, listener = play("--start", "8", "--wait-for", "attitude_state")
+    listener.listen("/attitude_state")
+    listener.spin_until(lambda: listener.heard["/attitude_state"])
+    listener.listen("/note", kind=String, qos=latched(1))
+    listener.spin_until(lambda: listener.heard["/note"])
+    assert listener.heard["/note"] == [text("remember")]
+    assert listener.steps("/attitude_state")[0] == 20
+    player.process.send_signal(signal.SIGINT)
+    out, _ = player.end()
+    assert "ended at" in out
+
+
+def test_its_parameters_control_it(play: Any) -> None:
+    player, listener = play("--paused", "--wait-for", "attitude_state", "--wait-for", "clock")
+    listener.listen("/attitude_state", "/clock")
+    assert listener.get("paused") is True
+    assert listener.set("position", 12.0).successful
+    assert listener.set("rate", 50.0).successful
+    assert not listener.heard["/attitude_state"]
+    assert listener.set("paused", False).successful
+    expected = list(range(30, STEPS + 1))
+    listener.spin_until(lambda: len(listener.heard["/attitude_state"]) == len(expected))
+    assert listener.steps("/attitude_state") == expected
+    ticks = [int.from_bytes(data[4:8], "little") for data in listener.heard["/clock"]]
+    assert ticks == sorted(ticks)
+    assert ticks[0] == 12
+    player.end()
+
+
+def test_what_it_refuses_changes_nothing(play: Any) -> None:
+    player, listener = play("--paused", "--rate", "3", "--wait-for", "clock")
+    listener.listen("/clock")
+    for name, value in (("rate", -1.0), ("rate", float("nan")), ("position", 17.0)):
+        result = listener.set(name, value)
+        assert not result.successful
+        assert result.reason.startswith(f"{name}: received ")
+        assert "required" in result.reason
+    assert listener.get("rate") == 3.0
+    assert listener.get("position") == 0.0
+    player.process.send_signal(signal.SIGINT)
+    player.end()
+
+
+def test_it_begins_again_and_can_be_taken_back(play: Any) -> None:
+    player, listener = play("--rate", "100", "--loop", "--wait-for", "attitude_state")
+    listener.listen("/attitude_state")
+    listener.spin_until(lambda: listener.steps("/attitude_state").count(0) >= 3)
+    steps = listener.steps("/attitude_state")
+    assert steps[: 2 * (STEPS + 1)] == [*range(STEPS + 1)] * 2
+    assert listener.set("loop", False).successful
+    player.end()
+
+
+def test_only_what_is_wanted_is_played(play: Any) -> None:
+    wanted = ("/torque_command", "/clock")
+    player, listener = play("--topics", "torque_command", "--rate", "max")
+    listener.listen(*wanted)
+    out, err = player.end()
+    assert f"played to its end, {2 * STEPS} messages" in out  # the clock ticks beside it
+    assert err == ""
+    listener.spin_until(lambda: all(len(listener.heard[n]) >= STEPS for n in wanted))
+    ticks = [data[4:] for data in listener.heard["/clock"]]
+    assert ticks == [stamp(k) for k in range(STEPS)]
+
+
+def test_a_live_controller_answers_a_replay_as_it_did_in_flight(
+    play: Any, graph: Any, tmp_path: Path
+) -> None:
+    """The recorded states and references, into a controller: its torques are those recorded."""
+    flown = graph.fly("plant.duration=8.0") / "bag"
+    player, listener = play(
+        "--rate", "20", "--paused", "--topics", "attitude_state", "--topics", "attitude_reference",
+        "--wait-for", "attitude_state", "--wait-for", "attitude_reference",
+        bag=flown,
+    )  # fmt: skip
+    listener.listen("/torque_command")
+    env = environment.for_node(os.environ, player.domain_id)
+    env["PYTHONPATH"] = str(ROOT)
+    file = ROOT / "config" / "gupta2015_case1.yaml"
+    command = [sys.executable, "-m", "spacecraft_gnc.nodes.nmpc_controller"]
+    controller = subprocess.Popen(
+        [*command, "--ros-args", "--params-file", str(file)],
+        env=env,
+        stdin=subprocess.PIPE,
+    )
+    try:
+        listener.spin_until(lambda: listener.node.count_subscribers("/attitude_reference") == 1)
+        listener.spin_until(lambda: listener.node.count_publishers("/torque_command") == 1)
+        listener.set("paused", False)
+        listener.spin_until(lambda: len(listener.heard["/torque_command"]) == 20)
+    finally:
+        assert controller.stdin is not None
+        controller.stdin.close()
+        controller.wait(PATIENCE)
+    player.end()
+    answers = [decode_torque(data) for data in listener.heard["/torque_command"]]
+    assert [answer.step for answer in answers] == list(range(20))
+    commanded = read_flight(flown).trajectory.torque
+    assert np.array_equal([answer.torque for answer in answers], commanded)
+
+
+def test_without_a_subscriber_it_begins_when_its_patience_is_over(tmp_path: Path) -> None:
+    recorded(tmp_path / "bag")
+    options = ("--topics", "attitude_state", "--rate", "max", "--wait-for", "clock")
+    player = Player(tmp_path / "bag", *options, "--patience", "0.2")
+    out, err = player.end()
+    assert f"played to its end, {2 * (STEPS + 1)} messages" in out
+    assert err == "warning: nobody listens to /clock after 0.2 s\n"
+
+
+def test_keys_control_it(tmp_path: Path) -> None:
+    recorded(tmp_path / "bag")
+    master, slave = pty.openpty()
+    player = Player(tmp_path / "bag", "--paused", "--patience", "0", terminal=slave)
+    os.close(slave)
+    try:
+        for keys, answer in (
+            (b"", b"playing paused"),
+            (b"\x1b[B\x1b[B ", b"playing at rate 0.25"),
+            (b"\x1b[A ?x ", b"playing at rate 0.5"),
+            (b"\x1b[C ", b"playing paused"),
+        ):
+            os.write(master, keys)
+            read_until(master, answer)
+        os.write(master, b"q")
+        out, _ = player.end()
+    finally:
+        player.process.kill()
+        os.close(master)
+    assert "space pauses" in out
+    assert "ended at" in out
+
+
+def read_until(descriptor: int, words: bytes) -> None:
+    """Read what is shown until ``words`` are."""
+    shown = b""
+    deadline = time.monotonic() + PATIENCE
+    while words not in shown:
+        assert time.monotonic() < deadline, f"{words!r} was never shown, but {shown[-200:]!r}"
+        readable, _, _ = select.select([descriptor], [], [], 0.1)
+        if readable:
+            shown += os.read(descriptor, 4096)
