@@ -125,16 +125,16 @@ class GraphView:
             There is no such topic, or nobody publishes on it.
         """
         info = self.find_topic(topic)
+        qos = matching([end.qos for end in self.publishers(info.name)])
         try:
             kind = message_type(info.types[0])
-        except ImportError as error:
-            package = info.types[0].partition("/")[0]
+            self.node.create_subscription(kind, info.name, callback, qos, raw=raw)
+        except ImportError as error:  # of the type, or of one that it nests
+            package = (error.name or info.types[0]).partition("/")[0].partition(".")[0]
             raise GraphError(
                 f"{info.name}: received messages of type {info.types[0]}; required a type that is "
                 f"installed; install the package {package}"
             ) from error
-        qos = matching([end.qos for end in self.publishers(info.name)])
-        self.node.create_subscription(kind, info.name, callback, qos, raw=raw)
         return info.name
 
     def publishers(self, full_name: str) -> list[Endpoint]:

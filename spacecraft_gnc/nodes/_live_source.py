@@ -141,7 +141,7 @@ class LiveSource:
     def _read_setup(self) -> None:
         found = self._reader.poll(self._clock())
         if found is not None:
-            self.setup = Setup.of(found, self.setup.title, live=True)
+            self.setup = Setup.of(found, _title(self._view.domain_id), live=True)
 
     # What it looks like.
 
@@ -159,7 +159,7 @@ class LiveSource:
             who = "a plant is there, but has not begun" if self._publishers else "no plant is there"
             return f"nothing received yet from {self._state_name} on {where}: {who}"
         if phase is Phase.OVER:
-            return f"the flight is over; {where} shows its end until another begins"
+            return f"the flight is over; its end is shown until another one begins on {where}"
         if phase is Phase.STALE:
             return f"no new state for {now - self._arrived:.0f} s, though {where} has a plant"
         return ""

@@ -65,13 +65,13 @@ class Graph:
         self.pose.publish(pose)
         self.words.publish(String(data="hello"))
 
-    def inspect(self, *argv: str) -> Answer:
+    def inspect(self, *argv: str, path: str = str(ROOT)) -> Answer:
         command = [sys.executable, "-m", "spacecraft_gnc", "inspect", *argv]
         command += ["--domain-id", str(self.ros.nodes_domain())]
         process = subprocess.Popen(
             command,
             cwd=ROOT,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            env={**os.environ, "PYTHONPATH": path},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -226,3 +226,32 @@ def test_watch_without_a_flight(graph: Graph) -> None:
     assert answer.code == 1
     assert "nothing received yet from /attitude_state" in answer.error
     assert "a plant is there, but has not begun" in answer.error
+
+
+MISSING = """
+import sys
+
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "geometry_msgs":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+sys.meta_path.insert(0, Missing())
+"""
+
+
+def test_a_type_that_is_not_installed_is_told_in_one_line(graph: Graph, tmp_path: Path) -> None:
+    (tmp_path / "sitecustomize.py").write_text(MISSING)
+    path = os.pathsep.join((str(tmp_path), str(ROOT)))
+    answer = graph.inspect("echo", "/elsewhere/where", "--once", path=path)
+    assert answer.code == 1
+    assert "geometry_msgs/msg/PoseStamped; required a type that is installed" in answer.error
+    assert "install the package geometry_msgs" in answer.error
+    rates = graph.inspect("topics", "--rates", "--json", path=path)
+    assert rates.code == 0, rates.err
+    topics = {entry["name"]: entry["hz"] for entry in rates.json["topics"]}
+    assert topics["/elsewhere/where"] is None
+    assert topics["/elsewhere/words"] > 0.0
+    nested = graph.inspect("echo", "attitude_state", "--once", path=path)
+    assert nested.code == 1
+    assert "install the package geometry_msgs" in nested.error

@@ -47,6 +47,8 @@ function ticks(low, high, count) {
   return found;
 }
 
+const amount = (v) => (v !== 0 && Math.abs(v) < 0.01 ? v.toExponential(1) : `${+v.toPrecision(3)}`);
+
 // Torque: a bar for each component and one for the norm, which is what the limit applies to.
 export function drawTorque(canvas, torque, limit, largest, colours) {
   const [pen, w, h] = begin(canvas);
@@ -67,7 +69,7 @@ export function drawTorque(canvas, torque, limit, largest, colours) {
     const full = limit > 0 && Math.abs(value) >= 0.999 * limit;
     pen.fillStyle = full ? colours.bad : colours[axis] ?? "#c9d3df";
     pen.fillRect(Math.min(zero, zero + length), y - row * 0.3, Math.abs(length), row * 0.6);
-    label(pen, `${+(value * factor).toPrecision(3)} ${name}N m`, w - 4, y, "right", "#e6ebf1");
+    label(pen, `${amount(value * factor)} ${name}N m`, w - 4, y, "right", "#e6ebf1");
   });
   line(pen, zero, 0, zero, h, TEXT, 1);
   if (limit > 0) {
