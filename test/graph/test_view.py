@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -117,3 +118,47 @@ def test_watch_follows_a_flight_to_its_end(graph: Any) -> None:
     assert lines[0].startswith("flying, step ")
     assert lines[-1].startswith("over, step 375, t = 150.0 s, ")
     assert "(optimal)" in out
+
+
+def test_on_a_terminal_it_is_a_dashboard_that_ctrl_c_ends(graph: Any, at: Any) -> None:
+    chosen = free_domain()
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "spacecraft_gnc", "inspect", "watch", "--domain-id", chosen]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}
+    seen: list[bytes] = []
+    whole = threading.Event()
+
+    def read() -> None:
+        while True:
+            try:
+                seen.append(os.read(ours, 65536))
+            except OSError:  # the other end was closed
+                return
+            if b"deadlines missed" in b"".join(seen):
+                whole.set()
+
+    with subprocess.Popen(
+        [*command, "--timeout", "60"], cwd=ROOT, env=environment, stdout=theirs, stderr=theirs
+    ) as watch:
+        os.close(theirs)
+        threading.Thread(target=read, daemon=True).start()
+
+        def interrupt(_: Any) -> None:
+            assert whole.wait(PATIENCE)
+            watch.send_signal(signal.SIGINT)
+            assert watch.wait(PATIENCE) == 0
+
+        graph.fly(
+            "plant.mode=free_run",
+            "plant.real_time_factor=10",
+            "plant.duration=40.0",
+            f"launcher.domain_id={chosen}",
+            record=False,
+            display=at(20, interrupt),
+        )
+    os.close(ours)
+    text = b"".join(seen).decode(errors="replace")
+    assert "\x1b[" in text
+    assert "flying" in text
+    assert "error to target" in text
+    assert "Traceback" not in text

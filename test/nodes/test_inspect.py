@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import select
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -66,9 +68,22 @@ class Graph:
         self.words.publish(String(data="hello"))
 
     def inspect(self, *argv: str, path: str = str(ROOT)) -> Answer:
+        with self.start(argv, path) as process:
+            self.ros.spin_until(lambda: process.poll() is not None)
+            return answer_of(process)
+
+    def interrupt(self, *argv: str) -> Answer:
+        """Press Ctrl-C once the command has printed something."""
+        with self.start(argv, str(ROOT)) as process:
+            self.ros.spin_until(lambda: bool(select.select([process.stdout], [], [], 0.0)[0]))
+            process.send_signal(signal.SIGINT)
+            self.ros.spin_until(lambda: process.poll() is not None)
+            return answer_of(process)
+
+    def start(self, argv: tuple[str, ...], path: str) -> subprocess.Popen[str]:
         command = [sys.executable, "-m", "spacecraft_gnc", "inspect", *argv]
         command += ["--domain-id", str(self.ros.nodes_domain())]
-        process = subprocess.Popen(
+        return subprocess.Popen(
             command,
             cwd=ROOT,
             env={**os.environ, "PYTHONPATH": path},
@@ -76,11 +91,12 @@ class Graph:
             stderr=subprocess.PIPE,
             text=True,
         )
-        with process:
-            self.ros.spin_until(lambda: process.poll() is not None)
-            assert process.stdout is not None
-            assert process.stderr is not None
-            return Answer(process.returncode, process.stdout.read(), process.stderr.read())
+
+
+def answer_of(process: subprocess.Popen[str]) -> Answer:
+    assert process.stdout is not None
+    assert process.stderr is not None
+    return Answer(process.returncode, process.stdout.read(), process.stderr.read())
 
 
 @pytest.fixture
@@ -123,6 +139,13 @@ def test_echo_a_field_as_json(graph: Graph) -> None:
 def test_echo_lines(graph: Graph) -> None:
     lines = graph.inspect("echo", "/elsewhere/words", "--count", "3", "--json").out.splitlines()
     assert [json.loads(line) for line in lines] == [{"data": "hello"}] * 3
+
+
+@pytest.mark.parametrize("command", ["echo", "hz", "delay"])
+def test_ctrl_c_is_the_end_and_no_error(graph: Graph, command: str) -> None:
+    answer = graph.interrupt(command, "/elsewhere/where", "--json")
+    assert (answer.code, answer.err) == (0, "")
+    assert all(json.loads(line) for line in answer.out.splitlines())
 
 
 def test_echo_a_field_that_is_not_there(graph: Graph) -> None:
