@@ -14,6 +14,8 @@ PROGRAM = """
 import math, sys
 import numpy as np
 from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.audit import _audit_kernels
+from spacecraft_gnc.analysis.audit.plans import Certifier, Plans
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors import tail
 from spacecraft_gnc.governors.attitude import AttitudeGovernor
@@ -88,6 +90,16 @@ o = TerminalSetSolver(tight).solve(R, Pi, lie.exp(np.array([0.1, 0.0, 0.2])))
 assert o.converged and o.terminal_multiplier > 0.0
 found |= {"terminal_torques": o.torques, "terminal_cost": o.cost}
 found |= {"terminal_reached": o.terminal_level, "terminal_level": kalabic.level.value}
+def certified(problem, o, has_set):
+    plan = (o.reference, o.attitudes, o.momenta, o.torques, o.costates[0])
+    certifier = Certifier(problem, problem.data, problem.zone_rows, has_set)
+    c = certifier.certify(Plans(*(np.ascontiguousarray(x[None]) for x in plan)))
+    numbers = [c.cost[0], c.residual[0], c.curvature[0], c.multiplier[0], c.largest[0]]
+    return [*numbers, *c.costates[0]]
+found |= {"certificate": certified(ocp, s, False), "set_certificate": certified(tight, o, True)}
+body, ends = RigidBody(J, 0.2), (np.empty((1, 3, 3)), np.empty((1, 3)))
+_audit_kernels.resume(body.packed, 0.2, 2, R[None].copy(), Pi[None].copy(), u[:1].copy(), *ends)
+found |= {"resumed_attitude": ends[0], "resumed_momentum": ends[1]}
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),

@@ -23,6 +23,7 @@ from spacecraft_gnc.recording.steps import UNIQUE, flight_topics
 from spacecraft_gnc.types import Array
 
 _BLOCK: Final = 4096  # messages of one topic that are decoded together
+_BLOCK_BYTES: Final = 8 << 20  # the same in bytes: plans over hundreds of steps are long
 _MOST_STEPS: Final = 2**53  # where a float stops to hold each integer
 _STEP: Final = "step"
 _STAMP: Final = ("header.stamp.sec", "header.stamp.nanosec")
@@ -108,16 +109,17 @@ def iter_columns(
 ) -> Iterator[tuple[str, Columns]]:
     """Yield (name, columns) of some thousand messages at a time, in the order of recording.
 
-    The memory does not grow with the flight. A step is unique in its block, not between blocks.
-    Arguments and errors as in `read_columns`.
+    With the flight grows no more than a digest of each message. A step is unique in its block,
+    not between blocks. Arguments and errors as in `read_columns`.
     """
     topics = flight_topics(bag, names, namespace)
     pending: dict[str, list[bytes]] = {topic: [] for topic in topics}
     seen = {topic: Seen(f"{bag.path}: {topic}", topics[topic] in UNIQUE) for topic in topics}
     for topic, data in bag.recorded(topics, progress):
-        pending[topic].append(data)
-        if len(pending[topic]) == _BLOCK:
-            yield topics[topic], _block(bag, topic, pending[topic], seen[topic])
+        block = pending[topic]
+        block.append(data)
+        if len(block) == _BLOCK or len(block) * len(data) >= _BLOCK_BYTES:
+            yield topics[topic], _block(bag, topic, block, seen[topic])
             pending[topic] = []
     for topic, messages in pending.items():
         if messages:

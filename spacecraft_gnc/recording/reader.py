@@ -40,7 +40,7 @@ class Flight(NamedTuple):
     info: RunInfo
 
 
-class _Torques(NamedTuple):
+class Torques(NamedTuple):
     """Torque [N m] and source that acted in each control step."""
 
     steps: NDArray[np.int64]
@@ -97,8 +97,8 @@ def read_flight(
         columns = read_columns(bag, _TOPICS, namespace, leave_out=_PLANS)
         text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
         scenario, problem = parse_scenario(text, bag.path)
-        torques = _acted(columns)
-        n = _whole_steps(bag, columns, torques)
+        torques = acted(columns)
+        n = whole_steps(bag, columns, torques)
         info = RunInfo(
             path=bag.path,
             scenario=scenario,
@@ -113,7 +113,7 @@ def read_flight(
     return Flight(_trajectory(n, columns, torques, period), info)
 
 
-def _acted(columns: Mapping[str, Columns]) -> _Torques:
+def acted(columns: Mapping[str, Columns]) -> Torques:
     """Return what the plant applied; where it did not tell, what was commanded."""
     commands, applied = columns[TORQUE], columns[INVARIANTS]
     told = applied.steps > 0  # an entry tells of the step that ended there
@@ -124,13 +124,19 @@ def _acted(columns: Mapping[str, Columns]) -> _Torques:
         torque.append(commands.fields["torque"])
         source.append(commands.fields["source"])
     if not steps.size:
-        return _Torques(steps, np.empty((0, 3)), np.empty(0, dtype=np.int64))
+        return Torques(steps, np.empty((0, 3)), np.empty(0, dtype=np.int64))
     acted, first = np.unique(steps, return_index=True)
-    return _Torques(acted, np.concatenate(torque)[first], np.concatenate(source)[first])
+    return Torques(acted, np.concatenate(torque)[first], np.concatenate(source)[first])
 
 
-def _whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: _Torques) -> int:
-    """Return the number of whole control steps: those with a state before and after them."""
+def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> int:
+    """Return the number of whole control steps: those with a state before and after them.
+
+    Raises
+    ------
+    RecordingError
+        If there is none, or a step number lies far beyond what was recorded.
+    """
     states = columns[STATE].steps
     count, last = 0, max(states.max(initial=0), torques.steps.max(initial=0))
     if last > _MOST_LOST * (states.size + torques.steps.size):
@@ -148,7 +154,7 @@ def _whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: _Torques) ->
     return count
 
 
-def _missing(columns: Mapping[str, Columns], torques: _Torques) -> dict[str, tuple[int, ...]]:
+def _missing(columns: Mapping[str, Columns], torques: Torques) -> dict[str, tuple[int, ...]]:
     """Return the steps without a message, by topic; a topic never recorded is not listed."""
     flown = int(torques.steps[-1]) + 1
     missing = {
@@ -178,7 +184,7 @@ def _period(states: Columns) -> float:
 
 
 def _trajectory(
-    n: int, columns: Mapping[str, Columns], torques: _Torques, period: float
+    n: int, columns: Mapping[str, Columns], torques: Torques, period: float
 ) -> Trajectory:
     states, references, solves, decisions = (
         columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)

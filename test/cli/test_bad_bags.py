@@ -11,7 +11,13 @@ from recording.bags import record
 
 from spacecraft_gnc.cli.main import main
 
+SCENARIO = """\
+plant:
+  ros__parameters:
+    inertia: [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
+"""
 COMMANDS = {
+    "audit": ["audit"],
     "plot": ["plot", "--out", "{}/figures"],
 }
 """Every command that reads a bag; ``{}`` stands for a folder."""
@@ -34,7 +40,7 @@ def test_the_good_bag_is_read(
     command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The bag that the cases spoil is none of them: it holds random numbers, but all of them."""
-    bag = record(tmp_path / "bag", ITEMS)
+    bag = record(tmp_path / "bag", ITEMS, scenario=SCENARIO)
     with pytest.raises(SystemExit) as ended:
         main([*filled(command, tmp_path), "--json", str(bag)])
     captured = capsys.readouterr()

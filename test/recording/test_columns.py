@@ -130,6 +130,14 @@ def test_blocks_come_in_the_order_of_recording(tmp_path):
     assert 0 < seen[-1][0] <= seen[-1][1]
 
 
+def test_blocks_of_long_messages_hold_fewer_of_them(tmp_path, monkeypatch):
+    monkeypatch.setattr("spacecraft_gnc.recording.columns._BLOCK_BYTES", 1000)
+    messages = flight_messages(FLIGHT)
+    with open_bag(record(tmp_path / "bag", messages)) as bag:
+        sizes = [block.steps.size for _, block in iter_columns(bag, ["attitude_state"])]
+    assert sizes == [6, 6, 1]  # of 188 bytes each
+
+
 def test_fields_can_be_left_out(tmp_path):
     with open_bag(record(tmp_path / "bag", flight_messages(FLIGHT))) as bag:
         columns = read_columns(bag, ["solver_status"], leave_out=["predicted_attitudes"])

@@ -39,7 +39,7 @@ from spacecraft_gnc.ocp._terminal_kernels import set_track
 STATUS, ATTITUDE_DEFECT, MOMENTUM_DEFECT, RESIDUAL, RADIUS_DEFECT, COST, LARGEST, CURVATURE = range(
     8
 )
-MULTIPLIER, FIRST_DEFECT, NUMBERS = 8, 9, 10
+MULTIPLIER, FIRST_DEFECT, COSTATE, NUMBERS = 8, 9, 10, 11
 ON_LIMIT = 1e-12
 """Relative distance of |u|^2 from its bound within which the bound counts as touched."""
 
@@ -132,6 +132,7 @@ def _conditions(data, lam, W, back, numbers):
             r = add(r, scale(left, load3(back, i)))
         total += dot(r, r)
         numbers[LARGEST] = max(numbers[LARGEST], zz)
+        numbers[COSTATE] = max(numbers[COSTATE], math.sqrt(dot(l2, l2)))
     return math.sqrt(total)
 
 

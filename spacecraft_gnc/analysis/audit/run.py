@@ -20,6 +20,7 @@ from spacecraft_gnc.analysis.audit.solver import SolverAudit
 from spacecraft_gnc.analysis.audit.torques import audit_torques, held_steps
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
+from spacecraft_gnc.scenario import registry
 
 FEEDBACK: Final = "feedback"
 
@@ -116,6 +117,11 @@ def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None)
     if not evidence.columns[SOLVER_STATUS].steps.size:
         ledger.skip("plans of the solver", "solver_status was not recorded")
         return
+    solves = evidence.columns[SOLVER_STATUS]
+    if method in registry.BUILT_IN["controllers"]:
+        same = solves.fields["method"] == method
+        ledger.require("method", f"{method}", solves.steps, "solver_status.method", same)
+    ledger.skip("iterations and wall times", "they tell of the run, not of the plan")
     if certifier is not None:
         solver = SolverAudit(evidence, certifier, ledger)
         for block in evidence.solves(progress):
@@ -126,7 +132,6 @@ def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None)
         if certifier is None:
             ledger.skip(LAW, f"method {method} is a plug-in's, which may remember its past")
         return
-    solves = evidence.columns[SOLVER_STATUS]
     steps = solves.steps[(solves.fields["status"] == NO_SOLVE) & (solves.steps < evidence.n)]
     for topic in (STATE, REFERENCE, TORQUE):
         steps = np.intersect1d(steps, evidence.columns[topic].steps)

@@ -1,0 +1,211 @@
+"""Whether the numbers of a certificate are those of the plan that came with it."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.analysis.audit.ledger import Ledger
+from spacecraft_gnc.analysis.audit.plans import HARD, Certificates, Certifier, Plans
+from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
+from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
+
+ROUNDING: Final = 1e-13
+"""Relative: a few hundred roundings, of the sums over a horizon."""
+CURVATURE: Final = 1e-3
+"""Relative: the published curvature is that of the last linearisation, a Newton step away."""
+CONDITIONS: Final = {
+    "backward_sweep": 1e-12,
+    "single_shooting": 1e-9,
+    "neighboring_extremal": 1e-12,
+    "slsqp": 1e-9,
+    "fsolve": 1e-6,
+}
+"""Largest difference of the residual from the certificate's, as a share of 1 + max |lambda|.
+
+Single shooting and fsolve publish that of (44), forward; it is compared with the gradient's."""
+CUT: Final = 1e-6
+"""Share of the torque limit by which a neighbouring extremal's first torque may be cut to it."""
+CUT_COST: Final = 1e-8
+"""Share of the cost that this cut may change."""
+NEWTON: Final = ("backward_sweep", "single_shooting")
+"""Formulations that stop by ``residual_tolerance``, relative to 1 + max |lambda2|."""
+FORWARD_RUN: Final = ("single_shooting", "fsolve")
+FORWARD: Final = 1e-6
+"""Share of the largest first costate that those differ, which they find by a forward run."""
+NU: Final = 1e-6
+"""Multiplier of a terminal set that counts as zero."""
+_ANGLE: Final = 1e-12  # [rad]
+Rows = dict[str, NDArray[Any]]
+"""Fields of solver messages (m, ...) by name."""
+
+
+class CertificateAudit:
+    """Compares certificates with what was found of their plans.
+
+    Parameters
+    ----------
+    certifier
+        Problem of the method.
+    ledger
+        Gets the verdicts.
+    residual_tolerance
+        Of the scenario, at which Newton's method stops.
+    """
+
+    def __init__(self, certifier: Certifier, ledger: Ledger, residual_tolerance: float) -> None:
+        self._certifier = certifier
+        self._ledger = ledger
+        self._residual_tolerance = residual_tolerance
+
+    def audit(
+        self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
+        found: Certificates,
+    ) -> None:  # fmt: skip
+        """Compare the certificates of one formulation."""
+        self._dynamics(formulation, steps, plans, found)
+        self._conditions(formulation, steps, rows, found)
+        self._numbers(formulation, steps, rows, plans, found)
+        if formulation == NEIGHBORING:
+            why = "no field holds the predicted error of a neighbouring extremal"
+            self._ledger.skip("error below ne_tolerance", why)
+
+    def _dynamics(
+        self, formulation: str, steps: NDArray[np.int64], plans: Plans, found: Certificates
+    ) -> None:
+        bound, ocp = self._ledger.bound, self._certifier.ocp
+        where = "solver_status.predicted_attitudes"
+        name = "plan obeys the dynamics: rotations"
+        defect = np.where(found.exists, found.attitude_defect, np.nan)
+        bound(name, steps, where, defect, ROUNDING)
+        scale = max(float(np.abs(plans.momenta).max()), 1e-300)
+        first = found.first_defect
+        where, cut = "solver_status.predicted_momenta", np.zeros(len(steps))
+        if formulation == NEIGHBORING:  # its first torque is cut to the limit after the rollout
+            cut = np.full(len(steps), CUT * ocp.max_torque * ocp.time_step)
+        bound(
+            f"plan obeys the dynamics: momenta{_said(formulation)}", steps, where,
+            np.maximum(found.momentum_defect, np.maximum(first - cut, 0.0)), ROUNDING * scale,
+            "N m s",
+        )  # fmt: skip
+
+    def _conditions(
+        self, formulation: str, steps: NDArray[np.int64], rows: Rows, found: Certificates
+    ) -> None:
+        ledger, ocp = self._ledger, self._certifier.ocp
+        size = 1.0 + float(np.abs(found.costates).max(initial=0.0))
+        share = CONDITIONS.get(formulation)
+        name = f"residual ({formulation})"
+        if share is None:
+            ledger.skip(name, "a formulation that is not known here")
+            return
+        if formulation == HARD and len(ocp.zones):
+            free = (rows["zone_margins"] > 1e-6).all(axis=1)
+        else:
+            free = np.ones(len(steps), dtype=bool)
+        off = found.residual - rows["residual"]
+        if formulation == NEIGHBORING and ocp.max_torque > 0.0:
+            # along a torque on the limit its multipliers are off by what no recorded number tells
+            on_limit = found.largest >= ocp.max_torque * (1.0 - CUT)
+            off = np.where(on_limit, np.maximum(off, 0.0), off)
+        ledger.bound(name, steps[free], "solver_status.residual", off[free], share * size)
+        self._converged(formulation, steps, rows, found)
+        name = f"|u| where the limit acts{_said(formulation)}"
+        if ocp.max_torque == 0.0:
+            ledger.skip(name, "the scenario has no torque limit")
+            return
+        if formulation == HARD:
+            ledger.skip(name, "slsqp keeps the limit as a constraint of its own")
+            return
+        tolerance = (CUT if formulation == NEIGHBORING else 10.0 * ROUNDING) * ocp.max_torque
+        where = "solver_status.predicted_torques"
+        ledger.bound(name, steps, where, found.radius_defect, tolerance, "N m")
+
+    def _converged(
+        self, formulation: str, steps: NDArray[np.int64], rows: Rows, found: Certificates
+    ) -> None:
+        """Require the residual of a Newton solve below the tolerance of the scenario."""
+        if formulation not in NEWTON:
+            return
+        limit = self._residual_tolerance * (1.0 + found.largest_costate) * (1.0 + ROUNDING)
+        self._ledger.bound(
+            f"converged ({formulation})", steps, "solver_status.residual", rows["residual"], limit
+        )
+
+    def _numbers(
+        self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
+        found: Certificates,
+    ) -> None:  # fmt: skip
+        bound = self._ledger.bound
+        share = FORWARD if formulation in FORWARD_RUN else ROUNDING
+        off = found.cost - rows["cost"]
+        scale = max(float(np.abs(found.cost).max()), 1e-300)
+        limit = (CUT_COST if formulation == NEIGHBORING else 10.0 * ROUNDING) * scale
+        bound(f"cost{_said(formulation)}", steps, "solver_status.cost", off, limit)
+        claimed = rows["first_costate"]
+        size = max(float(np.abs(claimed).max()), 1e-300)
+        off = found.costates - claimed
+        bound("first costate", steps, "solver_status.first_costate", off, share * size)
+        self._margins(formulation, steps, rows, plans, found)
+        self._curvature(formulation, steps, rows, found)
+        if self._certifier.has_set:
+            self._terminal_set(steps, plans, found)
+
+    def _margins(
+        self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
+        found: Certificates,
+    ) -> None:  # fmt: skip
+        ledger, ocp = self._ledger, self._certifier.ocp
+        name, where = f"torque margin{_said(formulation)}", "solver_status.torque_margin"
+        if ocp.max_torque > 0.0:
+            off = ocp.max_torque - found.largest - rows["torque_margin"]
+            share = CUT if formulation == NEIGHBORING else 10.0 * ROUNDING
+            ledger.bound(name, steps, where, off, share * ocp.max_torque, "N m")
+        else:
+            kept = np.isposinf(rows["torque_margin"])
+            ledger.require(name, "infinite: no limit", steps, where, kept)
+        if not ocp.zones:
+            ledger.skip("zone margins", "the scenario has no zones")
+        for i, zone in enumerate(ocp.zones):
+            margin = zone.margin(plans.attitudes).min(axis=1)
+            where = f"solver_status.zone_margins[{i}]"
+            off = margin - rows["zone_margins"][:, i]
+            ledger.bound("zone margins", steps, where, off, _ANGLE, "rad")
+
+    def _curvature(
+        self, formulation: str, steps: NDArray[np.int64], rows: Rows, found: Certificates
+    ) -> None:
+        ledger, name, where = self._ledger, "curvature", "solver_status.min_curvature"
+        claimed = rows["min_curvature"]
+        if formulation == HARD:
+            ledger.skip(name, "slsqp certifies no minimum")
+        elif formulation == NEIGHBORING:
+            kept = (found.curvature > 0.0) == (claimed > 0.0)
+            name = f"curvature{_said(formulation)}"
+            ledger.require(name, "sign: of an earlier solve", steps, where, kept)
+        else:
+            off = found.curvature / claimed - 1.0
+            ledger.bound(name, steps, where, off, CURVATURE, "relative")
+
+    def _terminal_set(self, steps: NDArray[np.int64], plans: Plans, found: Certificates) -> None:
+        """Require nu >= 0, the end in the set, and on its border where nu > 0: Kalabic (29)."""
+        ocp = self._certifier.ocp
+        if not isinstance(ocp, TerminalSetOcp) or ocp.level is None:
+            return
+        ends = zip(plans.attitudes, plans.momenta, plans.references, strict=True)
+        share = np.array([ocp.level_of(ocp.terminal_state(*end)) for end in ends]) / ocp.level.value
+        where, name = "solver_status.predicted_attitudes", "end of the plan in the terminal set"
+        self._ledger.bound(name, steps, where, np.maximum(share - 1.0, 0.0), 1e-9, "of its level")
+        nu = found.multiplier
+        kept = (nu > -NU) & ((nu < NU) | (share > 1.0 - 1e-6))
+        self._ledger.require(
+            "multiplier of the terminal set, from the first costate", "nu >= 0, > 0 on the border",
+            steps, "solver_status.first_costate", kept,
+        )  # fmt: skip
+
+
+def _said(formulation: str) -> str:
+    """Return what tells apart the lines of neighbouring extremals, whose tolerances are wider."""
+    return " (neighbouring extremal)" if formulation == NEIGHBORING else ""
