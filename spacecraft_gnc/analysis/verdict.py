@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.recording.reader import NPZ_SUFFIX
@@ -11,6 +12,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from spacecraft_gnc.analysis.audit.run import Audit
+
+Watch: TypeAlias = "Callable[[str], Callable[[int, int], None] | None]"
+"""Returns, for the name of a part of the work, what is called with its progress."""
 
 
 class Verdict(NamedTuple):
@@ -23,7 +27,9 @@ class Verdict(NamedTuple):
     """Name, steps, largest deviation, tolerance, and verdict with its note, of each check."""
 
 
-def audit_verdict(path: Path, *, allow_unfinished: bool = False) -> Verdict:
+def audit_verdict(
+    path: Path, *, allow_unfinished: bool = False, progress: Watch | None = None
+) -> Verdict:
     """Audit a recording.
 
     A file of ``gnc simulate`` holds neither plans nor commands to recompute, and is not audited;
@@ -34,7 +40,7 @@ def audit_verdict(path: Path, *, allow_unfinished: bool = False) -> Verdict:
     from spacecraft_gnc.analysis.audit.run import audit_bag  # loads the kernels
 
     try:
-        audit = audit_bag(path, allow_unfinished=allow_unfinished)
+        audit = audit_bag(path, allow_unfinished=allow_unfinished, progress=progress)
     except GncError as error:
         return Verdict(None, f"not audited: {error}")
     return Verdict(audit.passed, _sentence(audit), tuple(_lines(audit)))

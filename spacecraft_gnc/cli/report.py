@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
-from spacecraft_gnc.cli._progress import show_progress
+from spacecraft_gnc.cli._progress import Progress, show_progress
 from spacecraft_gnc.cli.plot import ScenarioOption, UnfinishedOption
 
 if TYPE_CHECKING:
@@ -51,14 +53,20 @@ def report(
         from spacecraft_gnc.scenario import load
 
         known = load(scenario)
-    runs = []
+    runs: list[Run] = []
     with show_progress("reading", silent=quiet) as progress:
-        for i, (path, name) in enumerate(zip(sources, run_names(sources), strict=True)):
-            progress(i, len(sources) + 1, f"reading {name}")
-            runs.append(read_run(path, name, known, allow_unfinished=unfinished))
-        progress(len(sources), len(sources) + 1, "writing")
+        for path, name in zip(sources, run_names(sources), strict=True):
+            progress(len(runs), len(sources), f"reading {name}")
+            watch = partial(_part, progress, name)
+            runs.append(read_run(path, name, known, allow_unfinished=unfinished, progress=watch))
+        progress(0, 1, "writing")
         write_report(report_html(runs, title), out)
     _tell(runs, out, as_json=as_json, quiet=quiet)
+
+
+def _part(progress: Progress, name: str, what: str) -> Callable[[int, int], None]:
+    """Return what shows the progress of a part of a run's audit."""
+    return partial(progress, what=f"auditing {name}: {what}")
 
 
 def _tell(runs: list[Run], out: Path, *, as_json: bool, quiet: bool) -> None:

@@ -13,6 +13,7 @@ import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain, find_domain
+from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -90,8 +91,11 @@ def view(
         else:
             serve_bag(bag, rate, unfinished, host, port, announce, stop)
         return
-    flight = _recorded(bag, rate, unfinished) if bag is not None else _live(domain_id, namespace)
-    with flight:
+    with (
+        _live(domain_id, namespace)
+        if bag is None
+        else _recorded(bag, rate, unfinished, quiet or as_json)
+    ) as flight:
         feed = Feed(flight)
         with PageServer(feed, host, port) as server:
             about = {"url": server.url, "port": server.port}
@@ -119,16 +123,16 @@ def _live(domain_id: int | None, namespace: str) -> LiveFlight:
     return LiveFlight(lambda: find_domain(domain_id), namespace)
 
 
-def _recorded(path: Path, rate: float, unfinished: bool) -> RecordedFlight:
+def _recorded(path: Path, rate: float, unfinished: bool, quiet: bool) -> RecordedFlight:
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
+    from spacecraft_gnc.analysis.run_names import run_name
     from spacecraft_gnc.recording.reader import load_run
 
-    flight = load_run(path, allow_unfinished=unfinished)
+    with show_progress("reading", silent=quiet) as progress:
+        flight = load_run(path, allow_unfinished=unfinished, progress=progress)
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
-    whole = path.resolve()
-    name = whole.stem if path.is_file() else "/".join(whole.parts[-2:])  # a bag is called "bag"
-    return RecordedFlight(flight, name, rate)
+    return RecordedFlight(flight, run_name(path), rate)
 
 
 def _announce(about: dict[str, Any], text: str, as_json: bool, quiet: bool) -> None:

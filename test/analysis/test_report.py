@@ -131,6 +131,17 @@ def test_losses_are_shown(tmp_path):
     assert "/solver_status: steps lost by the recorder: 1" in text
 
 
+def test_missed_deadlines_are_drawn_and_counted(tmp_path):
+    run = read_run(flight().save(tmp_path / "a.npz"), "run")
+    assert "slack" not in {c["name"] for c in Page(report_html([run])).data["charts"]}
+    slack = np.linspace(0.3, -0.1, 20)
+    late = replace(run, telemetry=replace(run.telemetry, deadline_slack=slack))
+    seen = Page(report_html([late]))
+    assert "solves that ended after their deadline: 5" in seen.text
+    drawn = numbers(seen.chart("slack")["figure"]["data"][0]["y"])
+    np.testing.assert_allclose(drawn, slack, rtol=1e-12)
+
+
 def test_a_failed_audit_is_a_warning(tmp_path):
     run = read_run(bag(tmp_path / "bag"), "run")
     assert run.verdict.passed is False  # Case I was flown by another solver, invariants by none

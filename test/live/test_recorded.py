@@ -49,6 +49,10 @@ def test_pause_and_seek() -> None:
     assert (picture.phase, picture.step, picture.time) == (Phase.PAUSED, 50, pytest.approx(20.0))
 
 
+def test_to_be_late_is_no_error() -> None:
+    recorded(Wall()).wait(-1e-9)
+
+
 def test_the_history_is_the_whole_flight() -> None:
     flight, flown = recorded(Wall()), case1()
     rows = flight.history.since(0)

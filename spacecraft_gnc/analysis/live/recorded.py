@@ -82,8 +82,8 @@ class RecordedFlight:
         """Nothing is held."""
 
     def wait(self, duration: float) -> None:
-        """Let ``duration`` seconds of wall time pass."""
-        time.sleep(duration)
+        """Let ``duration`` seconds of wall time pass; none if it is negative."""
+        time.sleep(max(0.0, duration))
 
     def picture(self) -> Picture:
         """Return the step that is played now."""

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
-from spacecraft_gnc.analysis.verdict import Verdict, audit_verdict
+from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
 from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.recording.steps import WALL_TIMING
 
@@ -48,7 +50,7 @@ class Run:
 
     def warnings(self) -> list[str]:
         """Return what a reader should know before trusting the curves, one line each."""
-        lines = self.info.warnings()
+        lines = [line.removeprefix(f"{self.info.path}: ") for line in self.info.warnings()]
         for topic, count in self.info.metadata.get(_LOSSES, {}).items():
             # The plant sends the wall timing a few times a second only: its gaps are no losses.
             if count not in ("0", "") and not topic.endswith(WALL_TIMING):
@@ -62,6 +64,9 @@ class Run:
         for key, what in counted.items():
             if self.metrics[key]:
                 lines.append(f"{what}: {self.metrics[key]}")
+        late = int(np.count_nonzero(self.telemetry.deadline_slack < 0.0))
+        if late:
+            lines.append(f"solves that ended after their deadline: {late}")
         margins = self.metrics["zone_margin_deg"].items()
         lines += [
             f"pointing zone {name} was violated by {-margin:.3g} deg"
@@ -81,6 +86,7 @@ def read_run(
     scenario: Scenario | None = None,
     *,
     allow_unfinished: bool = False,
+    progress: Watch | None = None,
 ) -> Run:
     """Read a run, and audit it.
 
@@ -94,6 +100,8 @@ def read_run(
         Used where the recording does not hold its own.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
+    progress
+        Returns, for the name of a part of the work, what is called with its progress.
 
     Raises
     ------
@@ -109,5 +117,5 @@ def read_run(
         telemetry=read_telemetry(flight, known, allow_unfinished=allow_unfinished),
         scenario=known,
         metrics=summarize(flight.trajectory, known),
-        verdict=audit_verdict(path, allow_unfinished=allow_unfinished),
+        verdict=audit_verdict(path, allow_unfinished=allow_unfinished, progress=progress),
     )

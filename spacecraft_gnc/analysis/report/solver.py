@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -23,7 +23,9 @@ from spacecraft_gnc.analysis.report.traces import (
 )
 from spacecraft_gnc.types import Array
 
-_BINS = 40
+_BINS: Final = 40
+_FEW: Final = 8  # iterations that each have a tick
+_WIDE: Final = 4.0  # decades beyond which only powers of ten have a tick
 
 
 def solver_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
@@ -33,6 +35,7 @@ def solver_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
         yield _iterations(runs, points)
         yield _residual(runs, points)
         yield _solve_times(runs)
+    yield from _slack(runs, points)
     yield from _curvature(runs, points)
     yield from _radius(runs, points)
     yield from _governor(runs, points)
@@ -48,7 +51,8 @@ def _iterations(runs: Sequence[Run], points: int) -> Chart:
         failed = series.unconverged(run.trajectory)
         if failed.any():
             traces.append(_marks(runs, i, run.trajectory.time[failed], counts(run)[failed]))
-    y = axis("iterations [-]", rangemode="tozero", tickformat="d")
+    few = max(run.metrics["iterations_max"] or 0 for run in runs) <= _FEW
+    y = axis("iterations [-]", rangemode="tozero", dtick=1 if few else None)
     note = "Of the solve behind each command."
     return Chart("iterations", "Solver iterations", note, over_time(runs, traces, y))
 
@@ -73,6 +77,21 @@ def _residual(runs: Sequence[Run], points: int) -> Chart:
     note = "Euclidean norm of the optimality conditions when the solve ended."
     drawn = over_time(runs, traces, log_axis("residual [-]"))
     return Chart("residual", "Residual", note, drawn, scale="yaxis")
+
+
+def _slack(runs: Sequence[Run], points: int) -> Iterator[Chart]:
+    known = [run.telemetry.deadline_slack for run in runs]
+    unit = style.prefixed("s", *known)
+    traces = list(
+        one_curve_each(
+            runs, points, lambda run: unit.factor * run.telemetry.deadline_slack, "slack", **HELD
+        )
+    )
+    if traces:
+        traces.append(limit(span(runs), (0.0, 0.0), "deadline"))
+        note = "Wall time left when the solve ended; negative: the deadline was missed."
+        y = axis(f"slack [{unit.label}]")
+        yield Chart("slack", "Deadline slack", note, over_time(runs, traces, y))
 
 
 def _curvature(runs: Sequence[Run], points: int) -> Iterator[Chart]:
@@ -133,7 +152,7 @@ def _solve_times(runs: Sequence[Run]) -> Chart:
     drawn = figure(
         traces,
         [axis("solves [-]", rangemode="tozero")],
-        log_axis(f"wall time of a solve [{unit.label}]"),
+        log_axis(f"wall time of a solve [{unit.label}]", dtick=1 if high - low > _WIDE else "D2"),
     )
     drawn["layout"].update({"barmode": "overlay", "bargap": 0, "hovermode": "closest"})
     note = (
