@@ -8,7 +8,7 @@ from setuptools import find_packages, setup
 NAME = "spacecraft_gnc"
 HERE = Path(__file__).parent
 MANIFEST = ET.parse(HERE / "package.xml").getroot()  # noqa: S314 - our own file
-SCENARIOS = [f"config/{path.name}" for path in sorted(HERE.glob("config/*.yaml"))]
+CONFIG = [f"config/{path.name}" for path in sorted(HERE.glob("config/*"))]
 
 setup(
     name=NAME,
@@ -20,13 +20,14 @@ setup(
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={
         NAME: ["py.typed"],
+        f"{NAME}.analysis.live": ["page/*"],
         f"{NAME}.analysis.report": ["*.css", "*.html", "*.js"],
         f"{NAME}.nodes": ["*.xml"],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/config", SCENARIOS),
+        (f"share/{NAME}/config", CONFIG),
     ],
     zip_safe=False,
     python_requires=">=3.10",

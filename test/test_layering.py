@@ -102,6 +102,7 @@ def test_the_rules_are_not_vacuous() -> None:
     assert not may_import("cli/check.py", "spacecraft_gnc_msgs")
     assert not may_import("cli/plot.py", "matplotlib")
     assert not may_import("analysis/metrics.py", "rosbags")
+    assert not may_import("cli/view.py", "foxglove")
     assert not may_import("cli/export.py", "pyarrow")
     seen = {module for path in FILES for _, module in imports(path)}
     assert {"numba", "rclpy"} <= {module.split(".")[0] for module in seen}

@@ -130,7 +130,12 @@ def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:
 
     For an inclusion zone the admissible side is the inside, and the margin is negative outside.
     """
-    pointing = attitudes(trajectory) @ _unit(zone.body_axis)
+    return pointing_margin_deg(attitudes(trajectory), zone)
+
+
+def pointing_margin_deg(attitudes: Array, zone: ZoneParameters) -> Array:
+    """Return the (n,) angles left to the border of a pointing zone at (n, 3, 3) attitudes [deg]."""
+    pointing = attitudes @ _unit(zone.body_axis)
     axis = _unit(zone.inertial_axis)
     # atan2 of sine and cosine keeps full precision near the cone's axis, unlike the arc cosine.
     sine = np.linalg.norm(np.cross(pointing, axis), axis=1)

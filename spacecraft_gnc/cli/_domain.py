@@ -48,3 +48,14 @@ def choose_domain(given: int | None) -> int:
             "one you mean; add --domain-id N"
         )
     return graphs[0].domain_id if graphs else 0
+
+
+def find_domain(given: int | None) -> int | None:
+    """Return the domain to join as `choose_domain` does, but None where no graph runs, or several.
+
+    For those who wait for a graph.
+    """
+    if given is not None or os.environ.get(environment.DOMAIN_ID):
+        return choose_domain(given)
+    graphs = list(domain.running_graphs())
+    return graphs[0].domain_id if len(graphs) == 1 else None

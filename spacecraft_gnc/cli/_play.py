@@ -17,8 +17,8 @@ from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.launcher import domain, environment
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.nodes._play_clock import PlayClock
     from spacecraft_gnc.nodes.player import Plan, Played
+    from spacecraft_gnc.recording.play_clock import PlayClock
     from spacecraft_gnc.recording.playback import Playback
 
 AS_FAST_AS_IT_GOES: Final = "max"

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated, Any
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, RunFailed, print_json, print_table
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    RunFailed,
+    print_json,
+    print_table,
+)
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain
+from spacecraft_gnc.cli._inspect_messages import JsonLinesOption, delay, echo, hz
+from spacecraft_gnc.cli._inspect_params import NodeArgument, params
 
 inspect = typer.Typer(
-    help="Look at a live graph: its nodes, topics, messages and rates.",
+    help="Look at a live graph: its nodes, topics, messages, rates, parameters, life cycles.",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     no_args_is_help=True,
 )
-TopicArgument = Annotated[str, typer.Argument(metavar="TOPIC", help="Name, e.g. attitude_state.")]
-_SHOWN = 9  # elements of an array that are printed
+_WINDOW = 2.0  # [s] wall over which `topics --rates` counts
 
 
 @inspect.command()
@@ -36,72 +43,92 @@ def nodes(domain_id: DomainOption = None, as_json: JsonOption = False) -> None:
 
 
 @inspect.command()
-def topics(domain_id: DomainOption = None, as_json: JsonOption = False) -> None:
+def topics(
+    qos: Annotated[
+        bool, typer.Option("--qos", help="Show who publishes and listens, and how reliably.")
+    ] = False,
+    rates: Annotated[
+        bool, typer.Option("--rates", help="Listen for two seconds and show the rates.")
+    ] = False,
+    domain_id: DomainOption = None,
+    as_json: JsonOption = False,
+) -> None:
     """List the topics with type, publishers and subscribers."""
+    from spacecraft_gnc.nodes._endpoints import misfits
     from spacecraft_gnc.nodes._graph import GraphView
+    from spacecraft_gnc.nodes._rates import measure_all
 
     with GraphView(choose_domain(domain_id)) as view:
         view.discover()
-        found = view.topics()
+        found = [info._asdict() for info in view.topics()]
         _require(view.nodes(), "node", view.domain_id)
+        if qos:
+            for entry in found:
+                ends = (view.publishers(entry["name"]), view.subscribers(entry["name"]))
+                entry["published_by"], entry["heard_by"] = ([_end(e) for e in es] for es in ends)
+                entry["problems"] = misfits(*ends)
+        if rates:
+            published = [entry["name"] for entry in found if entry["publishers"]]
+            measured = measure_all(view, published, _WINDOW)
+            for entry in found:
+                rate = measured.get(entry["name"])
+                entry["hz"] = None if rate is None else rate.messages / _WINDOW
+                entry["bytes_per_second"] = None if rate is None else rate.bytes_per_second
     if as_json:
-        print_json({"domain_id": view.domain_id, "topics": [info._asdict() for info in found]})
+        print_json({"domain_id": view.domain_id, "topics": found})
         return
-    print_table(
-        (i.name, f"{', '.join(i.types)}  {i.publishers} publish, {i.subscribers} subscribe")
-        for i in found
-    )
+    print_table((entry["name"], _topic_text(entry, rates)) for entry in found)
+    if qos:
+        _print_ends(found)
 
 
 @inspect.command()
-def echo(
-    topic: TopicArgument,
-    count: Annotated[int, typer.Option("--count", "-n", min=0, help="0: until Ctrl-C.")] = 0,
-    timeout: Annotated[float, typer.Option(min=0.0, help="Patience for a message [s].")] = 10.0,
+def lifecycle(
+    node: NodeArgument,
+    transition: Annotated[
+        str | None,
+        typer.Argument(metavar="[TRANSITION]", help="Go through this one, e.g. cleanup."),
+    ] = None,
     domain_id: DomainOption = None,
+    as_json: JsonOption = False,
 ) -> None:
-    """Print the messages of a topic as YAML."""
+    """Show a node's state and the transitions out of it, or go through one."""
     from spacecraft_gnc.nodes._graph import GraphView
-
-    printed = 0
-
-    def show(message: Any) -> None:
-        nonlocal printed
-        if count and printed >= count:
-            return
-        printed += 1
-        print(_as_text(message), flush=True)
+    from spacecraft_gnc.nodes._remote import RemoteLifecycle
 
     with GraphView(choose_domain(domain_id)) as view:
-        name = view.subscribe(topic, show)
-        view.spin_until(lambda: printed > 0, timeout)
-        if not printed:
-            raise RunFailed(
-                f"{name}: no message within {timeout:g} s on ROS_DOMAIN_ID={view.domain_id}; "
-                "required at least one; is the flight over? Wait longer with --timeout"
-            )
-        view.spin_until(lambda: 0 < count <= printed)
+        remote = RemoteLifecycle(view, view.find_node(node))
+        if transition is not None:
+            remote.change(transition)
+        state, known = remote.state(), remote.transitions()
+    if as_json:
+        print_json({"node": remote.name, "state": state, "transitions": known})
+        return
+    print(f"{remote.name}: {state}")
+    print_table((name, f"to {goal}") for name, goal in known.items())
 
 
 @inspect.command()
-def hz(
-    topic: TopicArgument,
-    window: Annotated[float, typer.Option(min=0.1, help="Wall time of one figure [s].")] = 1.0,
-    count: Annotated[int, typer.Option("--count", "-n", min=0, help="0: until Ctrl-C.")] = 0,
+def watch(
+    once: Annotated[bool, typer.Option("--once", help="Print one frame and end.")] = False,
+    timeout: Annotated[float, typer.Option(min=0.0, help="Patience for a state [s].")] = 10.0,
+    namespace: Annotated[
+        str, typer.Option(help="Of the spacecraft, where there are several.")
+    ] = "",
     domain_id: DomainOption = None,
+    as_json: JsonLinesOption = False,
 ) -> None:
-    """Print the rate of a topic in wall time."""
-    from spacecraft_gnc.nodes._graph import GraphView
+    """Watch a flight to its end: state, error, torque, solver, governor, rates."""
+    from spacecraft_gnc.cli._dashboard import watch as show
 
-    with GraphView(choose_domain(domain_id)) as view:
-        for number, rate in enumerate(view.measure(topic, window), start=1):
-            print(
-                f"{rate.hz:.1f} Hz ({rate.messages} messages, period "
-                f"{rate.period_min * 1e3:.2f} to {rate.period_max * 1e3:.2f} ms)",
-                flush=True,
-            )
-            if number == count:
-                return
+    style = "json" if as_json else "live" if sys.stdout.isatty() and not once else "plain"
+    show(choose_domain(domain_id), namespace, style=style, once=once, patience=timeout)
+
+
+inspect.command()(echo)
+inspect.command()(hz)
+inspect.command()(delay)
+inspect.add_typer(params, name="params")
 
 
 def _require(found: list[Any], what: str, domain_id: int) -> None:
@@ -112,31 +139,25 @@ def _require(found: list[Any], what: str, domain_id: int) -> None:
         )
 
 
-def _as_text(message: Any) -> str:
-    """Return a message as YAML, one document, long arrays cut short."""
-    return "\n".join(["---", *_lines(message, "")])
+def _end(end: Any) -> dict[str, str]:
+    return {"node": end.node, "type": end.type, "qos": end.qos_text}
 
 
-def _lines(message: Any, indent: str) -> list[str]:
-    lines = []
-    for name in message.get_fields_and_field_types():
-        value = getattr(message, name)
-        if hasattr(value, "get_fields_and_field_types"):
-            lines += [f"{indent}{name}:", *_lines(value, indent + "  ")]
-        elif hasattr(value, "__len__") and not isinstance(value, str | bytes):
-            lines += _array_lines(name, list(value), indent)
-        else:
-            lines.append(f"{indent}{name}: {value!r}")
-    return lines
+def _topic_text(entry: dict[str, Any], rates: bool) -> str:
+    text = (
+        f"{', '.join(entry['types'])}  {entry['publishers']} publish, "
+        f"{entry['subscribers']} subscribe"
+    )
+    if not rates:
+        return text
+    if entry["hz"] is None:
+        return f"{text}, rate unknown"
+    return f"{text}, {entry['hz']:.1f} Hz, {entry['bytes_per_second'] / 1e3:.1f} kB/s"
 
 
-def _array_lines(name: str, values: list[Any], indent: str) -> list[str]:
-    if values and hasattr(values[0], "get_fields_and_field_types"):
-        lines = [f"{indent}{name}:"]
-        for value in values:
-            first, *rest = _lines(value, indent + "  ")
-            lines += [f"{indent}- {first.strip()}", *rest]
-        return lines
-    shown = ", ".join(repr(float(v) if hasattr(v, "dtype") else v) for v in values[:_SHOWN])
-    more = f", ... {len(values)} in all" if len(values) > _SHOWN else ""
-    return [f"{indent}{name}: [{shown}{more}]"]
+def _print_ends(found: list[dict[str, Any]]) -> None:
+    for entry in found:
+        print(entry["name"])
+        rows = [(f"+ {e['node']}", e["qos"]) for e in entry["published_by"]]
+        rows += [(f"- {e['node']}", e["qos"]) for e in entry["heard_by"]]
+        print_table([*rows, *(("problem", text) for text in entry["problems"])])

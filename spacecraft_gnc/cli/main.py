@@ -48,7 +48,10 @@ COMMANDS: Final = {
         "Play a bag into a live graph, or solve its steps again with another controller.",
     ),
     "inspect": _Command(
-        f"{_PACKAGE}.inspect:inspect", "Look into a running graph: nodes, topics, messages, rates."
+        f"{_PACKAGE}.inspect:inspect", "Look into a running graph: topics, rates, parameters."
+    ),
+    "view": _Command(
+        f"{_PACKAGE}.view:view", "Watch a flight in the browser: a running graph, or a bag."
     ),
     "audit": _Command(
         f"{_PACKAGE}.audit:audit", "Integrate a bag again and certify every command afresh."

@@ -1,24 +1,22 @@
-"""A look at any live ROS 2 graph: nodes, topics, messages, rates."""
+"""A look at any live ROS 2 graph: its nodes, its topics, what they carry."""
 
 from __future__ import annotations
 
-import importlib
 import os
 import signal
 import time
-from collections import deque
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import rclpy
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.launcher.environment import prepare
+from spacecraft_gnc.nodes._endpoints import Endpoint, TopicInfo, matching, message_type
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -26,27 +24,6 @@ if TYPE_CHECKING:
 _SPIN = 0.05  # [s] wall
 _SETTLE = 1.0  # [s] wall without a change after which discovery counts as complete
 _DISCOVERY = 8.0  # [s] wall at most
-_DEPTH = 1000
-
-
-class TopicInfo(NamedTuple):
-    """A topic as the graph shows it."""
-
-    name: str
-    types: tuple[str, ...]
-    publishers: int
-    subscribers: int
-
-
-class Rate(NamedTuple):
-    """Arrivals of a topic over a window of wall time."""
-
-    messages: int
-    hz: float
-    period_min: float
-    """[s]"""
-    period_max: float
-    """[s]"""
 
 
 class GraphError(LaunchError):
@@ -60,9 +37,11 @@ class GraphView:
     ----------
     domain_id
         ROS_DOMAIN_ID of the graph.
+    take_interrupts
+        Whether Ctrl-C ends what is awaited here; otherwise the owner deals with it.
     """
 
-    def __init__(self, domain_id: int) -> None:
+    def __init__(self, domain_id: int, *, take_interrupts: bool = True) -> None:
         self.domain_id = domain_id
         prepare(os.environ)
         options = SignalHandlerOptions.NO
@@ -71,7 +50,8 @@ class GraphView:
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
         self._interrupted = False
-        signal.signal(signal.SIGINT, self._interrupt)
+        if take_interrupts:
+            signal.signal(signal.SIGINT, self._interrupt)
 
     def __enter__(self) -> Self:
         """Return the view."""
@@ -86,6 +66,11 @@ class GraphView:
 
     def _interrupt(self, *_: Any) -> None:
         self._interrupted = True
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether Ctrl-C was pressed."""
+        return self._interrupted
 
     def forgive_interrupt(self) -> None:
         """Let Ctrl-C be noticed anew."""
@@ -125,19 +110,11 @@ class GraphView:
         """Topics that anybody but this observer has."""
         found = []
         for name, types in self.node.get_topic_names_and_types():
-            info = TopicInfo(name, tuple(types), *self._counts(name))
+            counts = len(self.publishers(name)), len(self.subscribers(name))
+            info = TopicInfo(name, tuple(types), *counts)
             if info.publishers or info.subscribers:
                 found.append(info)
         return sorted(found)
-
-    def _counts(self, name: str) -> tuple[int, int]:
-        own = self.node.get_name()
-        publishers = self.node.get_publishers_info_by_topic(name)
-        subscribers = self.node.get_subscriptions_info_by_topic(name)
-        return (
-            sum(info.node_name != own for info in publishers),
-            sum(info.node_name != own for info in subscribers),
-        )
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], *, raw: bool = False) -> str:
         """Listen to a topic that is published now; return its full name.
@@ -147,24 +124,71 @@ class GraphView:
         GraphError
             There is no such topic, or nobody publishes on it.
         """
-        full_name = self.node.resolve_topic_name(topic)
-        if not self.spin_until(lambda: self._counts(full_name)[0] > 0, _SETTLE):
-            self.discover()
-        info = self._find(topic)
-        module, _, leaf = info.types[0].partition("/msg/")
+        info = self.find_topic(topic)
+        qos = matching([end.qos for end in self.publishers(info.name)])
         try:
-            message_type = getattr(importlib.import_module(f"{module}.msg"), leaf)
-        except (ImportError, AttributeError) as error:
+            kind = message_type(info.types[0])
+            self.node.create_subscription(kind, info.name, callback, qos, raw=raw)
+        except ImportError as error:  # of the type, or of one that it nests
+            package = (error.name or info.types[0]).partition("/")[0].partition(".")[0]
             raise GraphError(
                 f"{info.name}: received messages of type {info.types[0]}; required a type that is "
-                f"installed; install the package {module}"
+                f"installed; install the package {package}"
             ) from error
-        qos = _matching(self.node.get_publishers_info_by_topic(info.name))
-        self.node.create_subscription(message_type, info.name, callback, qos, raw=raw)
         return info.name
 
-    def _find(self, topic: str) -> TopicInfo:
+    def publishers(self, full_name: str) -> list[Endpoint]:
+        """Who publishes on a topic, with the profiles they offer."""
+        return self._ends(self.node.get_publishers_info_by_topic(full_name))
+
+    def subscribers(self, full_name: str) -> list[Endpoint]:
+        """Who but this observer listens to a topic, with the profiles they ask for."""
+        return self._ends(self.node.get_subscriptions_info_by_topic(full_name))
+
+    def _ends(self, found: Sequence[Any]) -> list[Endpoint]:
+        own = self.node.get_name()
+        return sorted(Endpoint.of(info) for info in found if info.node_name != own)
+
+    def find_topic(self, topic: str) -> TopicInfo:
+        """Return a topic that somebody publishes on, and wait a little for it.
+
+        Raises
+        ------
+        GraphError
+            There is no such topic, or nobody publishes on it.
+        """
         full_name = self.node.resolve_topic_name(topic)
+        if not self.spin_until(lambda: bool(self.publishers(full_name)), _SETTLE):
+            self.discover()
+        return self._find(full_name)
+
+    def find_node(self, name: str) -> str:
+        """Return the full name of a node, given by it or by its last part alone.
+
+        Raises
+        ------
+        GraphError
+            There is no such node, or there are several.
+        """
+        found: list[str] = []
+
+        def is_there() -> bool:
+            found[:] = [n for n in self.nodes() if n in (name, f"/{name}")]
+            return bool(found)
+
+        if not self.spin_until(is_there, _SETTLE):
+            self.discover()
+            found[:] = [n for n in self.nodes() if n.endswith(f"/{name.strip('/')}")]
+        if len(found) == 1:
+            return found[0]
+        known = ", ".join(found or self.nodes()) or "none at all"
+        problem = "several nodes of that name" if found else "no such node"
+        raise GraphError(
+            f"{name}: {problem} on ROS_DOMAIN_ID={self.domain_id}; required one of {known}; "
+            "check name and --domain-id"
+        )
+
+    def _find(self, full_name: str) -> TopicInfo:
         topics = {info.name: info for info in self.topics()}
         info = topics.get(full_name)
         where = f"ROS_DOMAIN_ID={self.domain_id}"
@@ -180,38 +204,3 @@ class GraphView:
                 "node that has one"
             )
         return info
-
-    def measure(self, topic: str, window: float) -> Iterator[Rate]:
-        """Yield the rate of a topic once per ``window`` seconds of wall time, until Ctrl-C."""
-        arrivals: deque[float] = deque()
-        self.subscribe(topic, lambda _: arrivals.append(time.monotonic()), raw=True)
-        while True:
-            begun = time.monotonic()
-            arrivals.clear()
-            self.spin_until(_elapsed(begun + window))
-            if self._interrupted:
-                return
-            yield _rate(np.array(arrivals), time.monotonic() - begun)
-
-
-def _elapsed(deadline: float) -> Callable[[], bool]:
-    return lambda: time.monotonic() >= deadline
-
-
-def _rate(arrivals: np.ndarray, duration: float) -> Rate:
-    periods = np.diff(arrivals)
-    if not periods.size:
-        return Rate(len(arrivals), len(arrivals) / duration, np.nan, np.nan)
-    hz = 1.0 / float(periods.mean())
-    return Rate(len(arrivals), hz, float(periods.min()), float(periods.max()))
-
-
-def _matching(publishers: list[Any]) -> QoSProfile:
-    """Return the most demanding profile that every publisher can serve."""
-    qos = QoSProfile(depth=_DEPTH)
-    profiles = [info.qos_profile for info in publishers]
-    if any(p.reliability != ReliabilityPolicy.RELIABLE for p in profiles):
-        qos.reliability = ReliabilityPolicy.BEST_EFFORT
-    if all(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in profiles):
-        qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
-    return qos

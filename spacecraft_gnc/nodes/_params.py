@@ -18,7 +18,8 @@ from spacecraft_gnc.scenario.parameter import Kind, ParameterSpec, Value
 
 _WILDCARD = "/**"
 _RANGE_END = 1.7976931348623157e308
-_ROS_OWN = ("use_sim_time", "start_type_description_service")
+ROS_OWN = ("use_sim_time", "start_type_description_service")
+"""Parameters that every node has, of no concern to a scenario."""
 
 
 def parameter_files(arguments: Sequence[str]) -> Iterator[Path]:
@@ -59,7 +60,7 @@ def given_parameters(node: Node) -> dict[str, Any]:
     return {
         name: parameter.value
         for name, parameter in overrides.items()
-        if name not in _ROS_OWN and not name.startswith("qos_overrides.")
+        if name not in ROS_OWN and not name.startswith("qos_overrides.")
     }
 
 

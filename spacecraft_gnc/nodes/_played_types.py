@@ -14,7 +14,7 @@ from rclpy.qos import (
     ReliabilityPolicy,
 )
 
-from spacecraft_gnc.nodes._bag_topics import _prefixes
+from spacecraft_gnc.nodes._bag_topics import prefixes
 from spacecraft_gnc.recording.playback import PlayedTopic
 from spacecraft_gnc.recording.qos import INFINITE_NS, QosProfile
 from spacecraft_gnc.recording.schema_text import InstalledInterfaces
@@ -39,7 +39,7 @@ def message_type(topic: PlayedTopic) -> Any:
         found = getattr(importlib.import_module(f"{package}.msg"), leaf)
     except (ImportError, AttributeError):
         raise Unplayable(f"{topic.type_name} is not installed") from None
-    installed = InstalledInterfaces(_prefixes()).type_hash(topic.type_name)
+    installed = InstalledInterfaces(prefixes()).type_hash(topic.type_name)
     if installed and topic.type_hash and installed != topic.type_hash:
         raise Unplayable(f"{topic.type_name} is installed in another version than was recorded")
     return found

@@ -23,8 +23,8 @@ from rclpy.signals import SignalHandlerOptions
 
 from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.nodes._outlet import Outlet
-from spacecraft_gnc.nodes._play_clock import PlayClock
 from spacecraft_gnc.nodes._played_types import Unplayable, message_type, ros_qos
+from spacecraft_gnc.recording.play_clock import PlayClock
 from spacecraft_gnc.recording.playback import Moment, Playback
 
 if TYPE_CHECKING:

@@ -111,6 +111,7 @@ class Playback:
     def leave_out(self, name: str) -> None:
         """Do not play a topic."""
         del self.topics[name]
+        self.ticks = self.ticks and name != CLOCK
 
     def time_ns(self, position: float) -> int:
         """Return the stamp [ns] of a position [s] after the first one."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.trajectory import Trajectory
+from spacecraft_gnc.recording._scan import Progress
 from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
 from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, RunInfo, parse_scenario
@@ -48,7 +49,9 @@ class Torques(NamedTuple):
     source: NDArray[np.int64]
 
 
-def load_run(path: Path | str, *, allow_unfinished: bool = False) -> Flight:
+def load_run(
+    path: Path | str, *, allow_unfinished: bool = False, progress: Progress | None = None
+) -> Flight:
     """Read a run: bag folder, .mcap file, or .npz file of ``gnc simulate --out``.
 
     Parameters
@@ -57,6 +60,8 @@ def load_run(path: Path | str, *, allow_unfinished: bool = False) -> Flight:
         What to read.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
+    progress
+        Called with the bytes read so far and in all.
 
     Raises
     ------
@@ -66,11 +71,15 @@ def load_run(path: Path | str, *, allow_unfinished: bool = False) -> Flight:
     path = Path(path)
     if path.suffix == NPZ_SUFFIX and not path.is_dir():
         return Flight(Trajectory.load(path), RunInfo(path=path))
-    return read_flight(path, allow_unfinished=allow_unfinished)
+    return read_flight(path, allow_unfinished=allow_unfinished, progress=progress)
 
 
 def read_flight(
-    path: Path | str, *, namespace: str | None = None, allow_unfinished: bool = False
+    path: Path | str,
+    *,
+    namespace: str | None = None,
+    allow_unfinished: bool = False,
+    progress: Progress | None = None,
 ) -> Flight:
     """Read the flight in a bag, its topics aligned by the control step in every message.
 
@@ -87,6 +96,8 @@ def read_flight(
         Of the spacecraft, where the bag holds several.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
+    progress
+        Called with the bytes read so far and in all.
 
     Raises
     ------
@@ -94,7 +105,7 @@ def read_flight(
         If there is no readable bag, or no flight of one spacecraft in it.
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
-        columns = read_columns(bag, _TOPICS, namespace, leave_out=_PLANS)
+        columns = read_columns(bag, _TOPICS, namespace, progress, leave_out=_PLANS)
         text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
         scenario, problem = parse_scenario(text, bag.path)
         torques = acted(columns)

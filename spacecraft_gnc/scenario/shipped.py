@@ -1,4 +1,4 @@
-"""Where the scenarios that come with the package lie."""
+"""Where the scenarios, and other files, that come with the package lie."""
 
 from __future__ import annotations
 
@@ -31,6 +31,11 @@ def shipped(name: str) -> Path:
         f"scenario: received {name!r}; required one that comes with the package ({listed}); "
         "reinstall the package with its data files"
     )
+
+
+def shipped_file(name: str) -> Path | None:
+    """Return another file that comes with the package, or None where it was not installed."""
+    return next((path for folder in _folders() if (path := folder / name).is_file()), None)
 
 
 def _folders() -> Iterator[Path]:

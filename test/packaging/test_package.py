@@ -66,7 +66,7 @@ def test_wheel_holds_every_data_file(wheel_files: set[str]) -> None:
     data = {
         str(path.relative_to(ROOT))
         for path in (ROOT / "spacecraft_gnc").rglob("*")
-        if path.is_file() and path.suffix in {".typed", ".xml", ".html", ".css", ".js"}
+        if path.is_file() and path.suffix in {".typed", ".xml", ".html", ".js", ".css"}
     }
     assert "spacecraft_gnc/py.typed" in data
     assert data <= wheel_files

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacecraft_gnc.nodes._play_clock import PlayClock
+from spacecraft_gnc.recording.play_clock import PlayClock
 
 times = st.floats(0.0, 1e4)
 rates = st.floats(1e-3, 1e3)

@@ -1,0 +1,187 @@
+// Bars and strips, drawn on plain canvases.
+
+const MARGIN = { left: 52, right: 10, top: 6, bottom: 20 };
+const GRID = "#2b3644";
+const TEXT = "#93a1b1";
+
+export const SOURCES = [
+  ["optimal", "#2fc79b"],
+  ["neighboring extremal", "#58aef0"],
+  ["shifted plan", "#f2b134"],
+  ["feedback", "#f58a45"],
+  ["zero", "#f0554a"],
+];
+
+// A number with an SI prefix that suits it: [text, factor, prefix].
+export function prefix(largest) {
+  if (!(largest > 0)) return [1, ""];
+  const p = Math.max(-3, Math.min(1, Math.floor((Math.log10(largest) + 0.7) / 3)));
+  return [1000 ** -p, { "-3": "n", "-2": "µ", "-1": "m", 0: "", 1: "k" }[p]];
+}
+
+function begin(canvas) {
+  const ratio = window.devicePixelRatio || 1;
+  const { clientWidth: w, clientHeight: h } = canvas;
+  canvas.width = Math.round(w * ratio);
+  canvas.height = Math.round(h * ratio);
+  const pen = canvas.getContext("2d");
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+  pen.lineJoin = "round";
+  return [pen, w, h];
+}
+
+function label(pen, text, x, y, align, colour = TEXT) {
+  pen.fillStyle = colour;
+  pen.textAlign = align;
+  pen.textBaseline = "middle";
+  pen.fillText(text, x, y);
+}
+
+function ticks(low, high, count) {
+  const rough = (high - low) / count;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 2.5, 5, 10].find((m) => m * power >= rough * 0.999);
+  const found = [];
+  for (let t = Math.ceil(low / step); t * step <= high + 1e-9 * step; t += 1) found.push(t * step);
+  return found;
+}
+
+const amount = (v) => (v !== 0 && Math.abs(v) < 0.01 ? v.toExponential(1) : `${+v.toPrecision(3)}`);
+
+// Torque: a bar for each component and one for the norm, which is what the limit applies to.
+export function drawTorque(canvas, torque, limit, largest, colours) {
+  const [pen, w, h] = begin(canvas);
+  const scale = 1.15 * Math.max(limit || 0, largest || 0) || 1;
+  const [factor, name] = prefix(Math.max(limit || 0, largest || 0));
+  const [left, right] = [30, 92];
+  const half = (w - left - right) / 2;
+  const zero = left + half;
+  const row = h / 4;
+  const norm = torque ? Math.hypot(...torque) : null;
+  [["x", torque?.[0]], ["y", torque?.[1]], ["z", torque?.[2]], ["|u|", norm]].forEach(([axis, value], i) => {
+    const y = i * row + row / 2;
+    pen.fillStyle = GRID;
+    pen.fillRect(left, y - row * 0.3, 2 * half, row * 0.6);
+    label(pen, axis, left - 8, y, "right");
+    if (value === null || value === undefined) return;
+    const length = (half * value) / scale;
+    const full = limit > 0 && Math.abs(value) >= 0.999 * limit;
+    pen.fillStyle = full ? colours.bad : colours[axis] ?? "#c9d3df";
+    pen.fillRect(Math.min(zero, zero + length), y - row * 0.3, Math.abs(length), row * 0.6);
+    label(pen, `${amount(value * factor)} ${name}N m`, w - 4, y, "right", "#e6ebf1");
+  });
+  line(pen, zero, 0, zero, h, TEXT, 1);
+  if (limit > 0) {
+    for (const sign of [-1, 1]) {
+      const x = zero + (sign * half * limit) / scale;
+      line(pen, x, 0, x, h, colours.bad, 1.5, [4, 3]);
+    }
+  }
+}
+
+function line(pen, x0, y0, x1, y1, colour, width, dash = []) {
+  pen.setLineDash(dash);
+  pen.beginPath();
+  pen.moveTo(x0, y0);
+  pen.lineTo(x1, y1);
+  pen.strokeStyle = colour;
+  pen.lineWidth = width;
+  pen.stroke();
+  pen.setLineDash([]);
+}
+
+// Series over time. `series`: [{values, colour, width}]; `span`: [start, end] [s]; what lies after
+// `now` is faint.
+export function drawStrip(canvas, times, series, span, now, { log = false, factor = 1 } = {}) {
+  const [pen, w, h] = begin(canvas);
+  const map = (v) => (log ? (v > 0 ? Math.log10(v) : null) : v * factor);
+  const rows = series.map((s) => s.values.map((v) => (v === null ? null : map(v))));
+  const [low, high] = range(rows, log);
+  const [x0, x1] = [MARGIN.left, w - MARGIN.right];
+  const [y0, y1] = [h - MARGIN.bottom, MARGIN.top];
+  const x = (t) => x0 + ((x1 - x0) * (t - span[0])) / (span[1] - span[0]);
+  const y = (v) => y0 + ((y1 - y0) * (v - low)) / (high - low);
+  const decades = ticks(low, high, 5).filter((v) => !log || Number.isInteger(Math.round(v * 1e6) / 1e6));
+  for (const v of decades) {
+    line(pen, x0, y(v), x1, y(v), GRID, 1);
+    label(pen, log ? decade(v) : `${+v.toPrecision(6)}`, x0 - 6, y(v), "right");
+  }
+  for (const t of ticks(span[0], span[1], Math.max(2, Math.min(8, w / 90)))) {
+    line(pen, x(t), y0, x(t), y0 + 3, TEXT, 1);
+    label(pen, `${+t.toPrecision(6)}${t === 0 ? " s" : ""}`, x(t), h - 8, "center");
+  }
+  pen.save();
+  pen.beginPath();
+  pen.rect(x0, y1 - 2, x1 - x0, y0 - y1 + 4);
+  pen.clip();
+  rows.forEach((row, i) => {
+    for (const past of [false, true]) {
+      pen.globalAlpha = past ? 1 : 0.25;
+      curve(pen, times, row, x, y, series[i], (t) => (past ? t <= now : t >= now));
+    }
+  });
+  pen.globalAlpha = 1;
+  line(pen, x(now), y1, x(now), y0, "#e6ebf1", 1);
+  pen.restore();
+  return { x0, x1 };
+}
+
+function curve(pen, times, row, x, y, { colour, width = 1.6 }, shown) {
+  pen.beginPath();
+  let down = false;
+  row.forEach((v, k) => {
+    if (v === null || !shown(times[k])) {
+      down = false;
+      return;
+    }
+    pen[down ? "lineTo" : "moveTo"](x(times[k]), y(v));
+    down = true;
+  });
+  pen.strokeStyle = colour;
+  pen.lineWidth = width;
+  pen.stroke();
+}
+
+function range(rows, log) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const row of rows) {
+    for (const v of row) {
+      if (v === null) continue;
+      low = Math.min(low, v);
+      high = Math.max(high, v);
+    }
+  }
+  if (low > high) return log ? [-3, 2] : [-1, 1];
+  if (log) return [Math.floor(low), Math.max(Math.ceil(high), Math.floor(low) + 1)];
+  const pad = 0.08 * (high - low) || 0.1 * Math.abs(high) || 1;
+  return [Math.min(low - pad, 0), Math.max(high + pad, 0)];
+}
+
+function decade(v) {
+  const power = Math.round(v);
+  return power >= -3 && power <= 3 ? `${+(10 ** power).toPrecision(1)}` : `1e${power}`;
+}
+
+// The rung of the fallback ladder that each torque came from.
+export function drawSources(canvas, times, sources, span, now) {
+  const [pen, w, h] = begin(canvas);
+  const [x0, x1] = [MARGIN.left, w - MARGIN.right];
+  const x = (t) => x0 + ((x1 - x0) * (t - span[0])) / (span[1] - span[0]);
+  pen.fillStyle = GRID;
+  pen.fillRect(x0, 0, x1 - x0, h);
+  for (let k = 0; k < times.length;) {
+    let end = k + 1;
+    while (end < times.length && sources[end] === sources[k] && times[end] <= now === times[k] <= now) end += 1;
+    const known = SOURCES[sources[k]];
+    if (known) {
+      const until = end < times.length ? times[end] : times[end - 1];
+      pen.globalAlpha = times[k] <= now ? 1 : 0.25;
+      pen.fillStyle = known[1];
+      pen.fillRect(x(times[k]), 0, Math.max(x(until) - x(times[k]), 1), h);
+    }
+    k = end;
+  }
+  pen.globalAlpha = 1;
+  line(pen, x(now), 0, x(now), h, "#e6ebf1", 1);
+}

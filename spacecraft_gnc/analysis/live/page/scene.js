@@ -1,0 +1,297 @@
+// The unit sphere in orthographic projection: body, trails of its axes, target, pointing zones.
+// Drawn on a plain canvas. What lies on the far side of the sphere is drawn faint.
+
+const AXES = ["x", "y", "z"];
+const FAR = 0.22; // opacity of the far side
+const RIM = 72; // points of a circle
+const RADIUS = 0.41; // of the sphere, in widths of the canvas
+const TURN = 0.008; // [rad] for each pixel of a drag
+const HALF = [0.17, 0.12, 0.12]; // half sides of the body
+const PANELS = [[0, 0.36, 0], [0, -0.36, 0]]; // centres of the solar panels
+const PANEL = [0.1, 0.2, 0.008];
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [
+  a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
+];
+const unit = (a) => { const n = Math.hypot(...a); return a.map((v) => v / n); };
+
+// Column i of a row-major rotation: body axis i in the inertial frame.
+export const bodyAxis = (r, i) => [r[i], r[3 + i], r[6 + i]];
+const rotate = (r, v) => [0, 1, 2].map((i) => r[3 * i] * v[0] + r[3 * i + 1] * v[1] + r[3 * i + 2] * v[2]);
+
+// Body axis i of a quaternion x, y, z, w, body to inertial.
+function quaternionAxis([x, y, z, w], i) {
+  if (i === 0) return [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)];
+  if (i === 1) return [2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)];
+  return [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)];
+}
+
+function circle(axis, angle) {
+  const helper = [0, 0, 0];
+  helper[axis.map(Math.abs).indexOf(Math.min(...axis.map(Math.abs)))] = 1;
+  const a = unit(cross(axis, helper));
+  const b = cross(axis, a);
+  return Array.from({ length: RIM + 1 }, (_, k) => {
+    const t = (2 * Math.PI * k) / RIM;
+    const [c, s] = [Math.cos(t) * Math.sin(angle), Math.sin(t) * Math.sin(angle)];
+    return axis.map((v, i) => Math.cos(angle) * v + c * a[i] + s * b[i]);
+  });
+}
+
+export class Scene {
+  constructor(canvas, colours, redraw) {
+    this.canvas = canvas;
+    this.colours = colours;
+    this.azimuth = 0.6;
+    this.elevation = 0.42;
+    this.tips = {}; // where the tips of the body axes were drawn [px], and their depth
+    let from = null;
+    canvas.addEventListener("pointerdown", (e) => {
+      from = [e.clientX, e.clientY];
+      canvas.setPointerCapture(e.pointerId);
+    });
+    canvas.addEventListener("pointermove", (e) => {
+      if (!from) return;
+      this.azimuth -= (e.clientX - from[0]) * TURN;
+      this.elevation += (e.clientY - from[1]) * TURN;
+      this.elevation = Math.max(-1.55, Math.min(1.55, this.elevation));
+      from = [e.clientX, e.clientY];
+      redraw();
+    });
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { from = null; });
+  }
+
+  draw(frame, setup, trail) {
+    this.#begin();
+    this.#sphere();
+    for (const zone of setup?.zones ?? []) this.#cap(zone);
+    this.#trails(trail);
+    if (frame?.target) this.#marks(frame.target, 7, [3, 3]);
+    if (frame?.reference) this.#marks(frame.reference, 3.5, []);
+    if (frame?.attitude) this.#body(frame.attitude, setup);
+  }
+
+  #begin() {
+    const ratio = window.devicePixelRatio || 1;
+    const { clientWidth: w, clientHeight: h } = this.canvas;
+    this.canvas.width = Math.round(w * ratio);
+    this.canvas.height = Math.round(h * ratio);
+    this.pen = this.canvas.getContext("2d");
+    this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    this.pen.lineCap = this.pen.lineJoin = "round";
+    this.centre = [w / 2, h / 2];
+    this.radius = RADIUS * Math.min(w, h);
+    const [ce, se] = [Math.cos(this.elevation), Math.sin(this.elevation)];
+    const [ca, sa] = [Math.cos(this.azimuth), Math.sin(this.azimuth)];
+    this.toward = [ce * ca, ce * sa, se];
+    this.right = [-sa, ca, 0];
+    this.up = cross(this.toward, this.right);
+  }
+
+  // Picture coordinates [px] and depth (positive: near) of an inertial vector.
+  #project(v) {
+    const [x, y] = [dot(v, this.right), dot(v, this.up)];
+    return [this.centre[0] + this.radius * x, this.centre[1] - this.radius * y, dot(v, this.toward)];
+  }
+
+  #sphere() {
+    const { pen } = this;
+    pen.beginPath();
+    pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
+    pen.fillStyle = "#141b25";
+    pen.fill();
+    for (const tilt of [-60, -30, 0, 30, 60]) {
+      this.#curve(circle([0, 0, 1], ((90 - tilt) * Math.PI) / 180), "#3a4858", 0.7);
+    }
+    for (const turn of [0, 30, 60, 90, 120, 150]) {
+      const a = (turn * Math.PI) / 180;
+      this.#curve(circle([-Math.sin(a), Math.cos(a), 0], Math.PI / 2), "#3a4858", 0.7);
+    }
+    pen.beginPath();
+    pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
+    pen.strokeStyle = "#6d7d8f";
+    pen.lineWidth = 1;
+    pen.stroke();
+    [[1, 0, 0], [0, 1, 0], [0, 0, 1]].forEach((axis, i) => {
+      const [foot, tip, label] = [1, 1.09, 1.16].map((f) => this.#project(axis.map((v) => f * v)));
+      pen.globalAlpha = foot[2] >= 0 ? 1 : 0.45;
+      this.#line(foot, tip, "#93a1b1", 1.2);
+      this.#text(AXES[i].toUpperCase(), label, "#93a1b1");
+      pen.globalAlpha = 1;
+    });
+  }
+
+  // A curve on the sphere, its far side faint.
+  #curve(points, colour, width, dash = []) {
+    const shown = points.map((p) => this.#project(p));
+    const { pen } = this;
+    pen.strokeStyle = colour;
+    pen.lineWidth = width;
+    pen.setLineDash(dash);
+    for (const near of [false, true]) {
+      pen.globalAlpha = near ? 1 : FAR;
+      pen.beginPath();
+      for (let k = 1; k < shown.length; k += 1) {
+        if ((shown[k][2] >= 0) !== near) continue;
+        pen.moveTo(shown[k - 1][0], shown[k - 1][1]);
+        pen.lineTo(shown[k][0], shown[k][1]);
+      }
+      pen.stroke();
+    }
+    pen.globalAlpha = 1;
+    pen.setLineDash([]);
+  }
+
+  #cap(zone) {
+    const colour = zone.kind === "exclusion" ? this.colours.bad : this.colours.good;
+    const angle = (zone.half_angle_deg * Math.PI) / 180;
+    const rim = circle(zone.inertial_axis, angle).map((p) => this.#project(p));
+    for (const side of [-1, 1]) this.#fillCap(rim, angle > Math.PI / 2, side, colour, zone);
+    this.#curve(circle(zone.inertial_axis, angle), colour, 1.5);
+    const at = this.#project(zone.inertial_axis);
+    this.pen.globalAlpha = at[2] >= 0 ? 1 : FAR;
+    this.#text(zone.name, [at[0], at[1] - this.radius * Math.sin(angle) - 9], colour);
+    this.pen.globalAlpha = 1;
+  }
+
+  // The part of a cap on one side of the limb. Points of its rim beyond the limb are put on it, so
+  // that the outline runs along the limb between the two crossings.
+  #fillCap(rim, isLarge, side, colour, zone) {
+    const inside = rim.some((p) => side * p[2] >= 0);
+    const middle = side * dot(zone.inertial_axis, this.toward) > 0;
+    if (!inside && !(isLarge && middle)) return;
+    const { pen } = this;
+    pen.beginPath();
+    if (isLarge) pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
+    if (inside) {
+      rim.forEach((p, k) => {
+        const out = [p[0] - this.centre[0], p[1] - this.centre[1]];
+        const scale = side * p[2] >= 0 ? 1 : this.radius / Math.max(Math.hypot(...out), 1e-9);
+        pen[k ? "lineTo" : "moveTo"](this.centre[0] + scale * out[0], this.centre[1] + scale * out[1]);
+      });
+      pen.closePath();
+    }
+    pen.globalAlpha = side > 0 ? 0.35 : 0.35 * FAR;
+    pen.fillStyle = colour;
+    pen.fill("evenodd");
+    pen.globalAlpha = 1;
+  }
+
+  #trails(trail) {
+    if (!trail.length) return;
+    AXES.forEach((name, i) => {
+      this.#curve(trail.map((q) => quaternionAxis(q, i)), this.colours[name], 1.6);
+    });
+  }
+
+  // Rings where the axes of an attitude pierce the sphere.
+  #marks(rotation, size, dash) {
+    const { pen } = this;
+    AXES.forEach((name, i) => {
+      const [x, y, depth] = this.#project(bodyAxis(rotation, i));
+      pen.globalAlpha = depth >= 0 ? 1 : 2 * FAR;
+      pen.setLineDash(dash);
+      pen.beginPath();
+      pen.arc(x, y, size, 0, 2 * Math.PI);
+      pen.strokeStyle = this.colours[name];
+      pen.lineWidth = 1.6;
+      pen.stroke();
+    });
+    pen.setLineDash([]);
+    pen.globalAlpha = 1;
+  }
+
+  #body(rotation, setup) {
+    const axes = AXES.map((name, i) => [name, this.#project(bodyAxis(rotation, i))]);
+    const arrow = ([name, tip]) => {
+      this.pen.globalAlpha = tip[2] >= 0 ? 1 : 0.5;
+      this.#arrow(tip, this.colours[name], name);
+      this.tips[name] = tip;
+    };
+    axes.filter(([, tip]) => tip[2] < 0).forEach(arrow);
+    this.#box(rotation);
+    for (const zone of setup?.zones ?? []) {
+      const tip = this.#project(rotate(rotation, zone.body_axis));
+      this.#line(this.#project([0, 0, 0]), tip, this.colours.warn, 1.2, [2, 3]);
+    }
+    axes.filter(([, tip]) => tip[2] >= 0).forEach(arrow);
+    this.pen.globalAlpha = 1;
+  }
+
+  #box(rotation) {
+    const faces = [[[0, 0, 0], HALF, "#c9d3df"], ...PANELS.map((c) => [c, PANEL, "#3d63a8"])]
+      .flatMap(([centre, half, colour]) => boxFaces(centre, half, colour));
+    const placed = faces.map(({ corners, normal, colour }) => {
+      const shown = corners.map((c) => this.#project(rotate(rotation, c)));
+      const facing = dot(rotate(rotation, normal), this.toward);
+      return { shown, facing, colour, depth: shown.reduce((sum, p) => sum + p[2], 0) };
+    });
+    const { pen } = this;
+    for (const face of placed.sort((a, b) => a.depth - b.depth)) {
+      if (face.facing <= 0) continue;
+      pen.beginPath();
+      face.shown.forEach((p, k) => pen[k ? "lineTo" : "moveTo"](p[0], p[1]));
+      pen.closePath();
+      pen.fillStyle = face.colour;
+      pen.fill();
+      pen.fillStyle = `rgba(8, 12, 18, ${0.65 * (1 - face.facing)})`; // shade
+      pen.fill();
+      pen.strokeStyle = "#10151c";
+      pen.lineWidth = 0.8;
+      pen.stroke();
+    }
+  }
+
+  #arrow(tip, colour, name) {
+    const { pen } = this;
+    this.#line(this.centre, tip, colour, 2.2);
+    pen.beginPath();
+    pen.arc(tip[0], tip[1], 4, 0, 2 * Math.PI);
+    pen.fillStyle = colour;
+    pen.fill();
+    const out = [tip[0] - this.centre[0], tip[1] - this.centre[1]];
+    const length = Math.max(Math.hypot(...out), 1);
+    this.#text(name, [tip[0] + (13 * out[0]) / length, tip[1] + (13 * out[1]) / length], colour);
+  }
+
+  #line(from, to, colour, width, dash = []) {
+    const { pen } = this;
+    pen.setLineDash(dash);
+    pen.beginPath();
+    pen.moveTo(from[0], from[1]);
+    pen.lineTo(to[0], to[1]);
+    pen.strokeStyle = colour;
+    pen.lineWidth = width;
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  #text(text, at, colour) {
+    this.pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
+    this.pen.textAlign = "center";
+    this.pen.textBaseline = "middle";
+    this.pen.fillStyle = colour;
+    this.pen.fillText(text, at[0], at[1]);
+  }
+}
+
+function boxFaces(centre, half, colour) {
+  const faces = [];
+  for (const i of [0, 1, 2]) {
+    for (const sign of [-1, 1]) {
+      const normal = [0, 0, 0];
+      normal[i] = sign;
+      const [j, k] = [(i + 1) % 3, (i + 2) % 3];
+      const corners = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([a, b]) => {
+        const corner = [...centre];
+        corner[i] += sign * half[i];
+        corner[j] += a * half[j];
+        corner[k] += b * half[k];
+        return corner;
+      });
+      faces.push({ corners, normal, colour });
+    }
+  }
+  return faces;
+}

@@ -1,0 +1,151 @@
+// Receives the flight as server-sent events, and draws it. `window.view.state` is for tests.
+
+import { SOURCES, drawSources, drawStrip, drawTorque, prefix } from "./charts.js";
+import { Scene } from "./scene.js";
+import { showHeader, showKeys, showNumbers, showSetup } from "./status.js";
+
+const SILENCE = 3000; // [ms] without an event after which the connection counts as lost
+const by = (id) => document.getElementById(id);
+const style = getComputedStyle(document.documentElement);
+const colours = Object.fromEntries(
+  ["x", "y", "z", "good", "warn", "bad"].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]),
+);
+const state = {
+  events: 0, drawn: 0, numbers: [], setup: null, frame: null, columns: [], rows: [], axes: {},
+};
+const scene = new Scene(by("scene"), colours, schedule);
+let pending = false;
+let lastEvent = Date.now();
+let seeking = false;
+
+function schedule() {
+  if (pending) return;
+  pending = true;
+  requestAnimationFrame(() => {
+    pending = false;
+    draw();
+  });
+}
+
+function column(name) {
+  const i = state.columns.indexOf(name);
+  return state.rows.map((row) => row[i]);
+}
+
+function draw() {
+  const { frame, setup } = state;
+  if (!frame) return;
+  const times = column("time");
+  const now = frame.time ?? 0;
+  const trail = state.rows.filter((row) => row[0] <= now).map((row) => row.slice(-4)).filter((q) => q[3] !== null);
+  scene.draw(frame, setup, trail);
+  drawCharts(times, now);
+  state.axes = { ...scene.tips };
+  state.drawn += 1;
+}
+
+function drawCharts(times, now) {
+  const { frame, setup } = state;
+  const span = timeSpan(times, now);
+  const torques = ["x", "y", "z"].map((axis) => column(`torque_${axis}`));
+  const largest = Math.max(0, ...torques.flat().map((v) => Math.abs(v ?? 0)));
+  drawTorque(by("torque"), frame.torque, setup?.torque_limit, largest, colours);
+  const governed = setup?.governor && setup.governor !== "none";
+  const errors = [{ values: column("error_deg"), colour: "#e6ebf1" }];
+  if (governed) errors.push({ values: column("target_error_deg"), colour: colours.warn });
+  drawStrip(by("error"), times, errors, span, now, { log: true });
+  const momenta = ["x", "y", "z"].map((axis) => ({ values: column(`momentum_${axis}`), colour: colours[axis] }));
+  const [factor, name] = prefix(Math.max(0, ...momenta.flatMap((m) => m.values).map((v) => Math.abs(v ?? 0))));
+  drawStrip(by("momentum"), times, momenta, span, now, { factor });
+  by("momentum-unit").textContent = `${name}N m s`;
+  drawSources(by("source"), times, column("source"), span, now);
+}
+
+// The whole flight where its length is known; else what was seen, and at least ten seconds.
+function timeSpan(times, now) {
+  const { setup, frame } = state;
+  const start = frame.transport?.start ?? times[0] ?? 0;
+  const whole = setup?.n_steps && setup.period ? setup.n_steps * setup.period : 0;
+  return [Math.min(start, now), Math.max(whole, now, times[0] ?? 0, start + 10 * (whole ? 0 : 1), start + 1e-3)];
+}
+
+function onSetup(setup) {
+  state.setup = setup;
+  showSetup(setup);
+  const governed = setup.governor && setup.governor !== "none";
+  showKeys("error-keys", governed ? [["to reference", "#e6ebf1"], ["to target", colours.warn]] : [["to reference", "#e6ebf1"]]);
+  showKeys("axis-keys", ["x", "y", "z"].map((axis) => [axis, colours[axis]]));
+  showKeys("source-keys", SOURCES);
+  const [factor, name] = prefix(setup.torque_limit);
+  by("torque-limit").textContent = setup.torque_limit ? `limit of |u| ${+(setup.torque_limit * factor).toPrecision(4)} ${name}N m` : "no limit known";
+  by("legend").replaceChildren(...["dashed ring: target", "small ring: reference", ...(setup.zones.length ? ["dotted line: instrument of a zone"] : [])].map((text) => {
+    const item = document.createElement("li");
+    item.textContent = text;
+    return item;
+  }));
+}
+
+function onFrame({ samples, ...frame }) {
+  state.rows.push(...samples);
+  state.frame = frame;
+  state.events += 1;
+  state.numbers = [...state.numbers.slice(-999), frame.number];
+  showHeader(frame, state.setup);
+  showNumbers(frame, state.setup);
+  showPlayer(frame);
+  schedule();
+}
+
+function showPlayer({ transport, phase, time }) {
+  by("player").hidden = !transport;
+  if (!transport) return;
+  by("play").textContent = { playing: "Pause", over: "Again" }[phase] ?? "Play";
+  by("seek").min = transport.start;
+  by("seek").max = transport.end;
+  if (!seeking && time !== null) by("seek").value = time;
+  if (document.activeElement !== by("rate")) showRate(transport.rate);
+}
+
+function showRate(rate) {
+  const text = `${rate}`;
+  if (![...by("rate").options].some((option) => option.value === text)) by("rate").add(new Option(text, text));
+  by("rate").value = text;
+}
+
+async function command(action, value = null) {
+  await fetch("control", {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify({ action, value }),
+  });
+}
+
+function listen() {
+  const source = new EventSource("events");
+  const on = (name, take) => source.addEventListener(name, (event) => {
+    lastEvent = Date.now();
+    take(JSON.parse(event.data));
+  });
+  on("setup", onSetup);
+  on("history", ({ columns }) => {
+    state.columns = columns;
+    state.rows = [];
+  });
+  on("frame", onFrame);
+}
+
+by("play").addEventListener("click", () => command(state.frame?.phase === "playing" ? "pause" : "play"));
+by("rate").addEventListener("change", () => command("rate", Number(by("rate").value)));
+by("seek").addEventListener("input", () => {
+  seeking = true;
+  command("seek", Number(by("seek").value));
+});
+by("seek").addEventListener("change", () => { seeking = false; });
+window.addEventListener("resize", schedule);
+setInterval(() => {
+  if (Date.now() - lastEvent < SILENCE) return;
+  by("phase").textContent = "connection lost";
+  by("phase").className = "badge lost";
+}, 500);
+window.view = { state, scene };
+listen();

@@ -1,0 +1,274 @@
+"""The local page: a fixed table of paths, server-sent events, and a few commands.
+
+It serves no files of the user, answers only requests that name this machine (a page elsewhere could
+otherwise reach it by a name that it makes point here: DNS rebinding), sends no CORS header, and
+takes commands as JSON from its own page only.
+"""
+
+from __future__ import annotations
+
+import errno
+import ipaddress
+import json
+import os
+import socket
+import threading
+from collections.abc import Mapping
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from importlib import resources
+from typing import TYPE_CHECKING, Any, ClassVar, Final
+from urllib.parse import urlsplit
+
+from spacecraft_gnc.analysis.live.feed import Feed
+from spacecraft_gnc.errors import GncError, ParameterError
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+DEFAULT_PORT: Final = 8760
+_MOST_WATCHERS: Final = 32
+_MOST_BYTES: Final = 1024  # of a command
+_PATIENCE: Final = 20.0  # [s] for a client to take what it is sent
+_LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
+_PAGE: Final = resources.files("spacecraft_gnc.analysis.live") / "page"
+_FILES: Final = {
+    "/": ("index.html", "text/html; charset=utf-8"),
+    "/view.css": ("view.css", "text/css; charset=utf-8"),
+    "/view.js": ("view.js", "text/javascript; charset=utf-8"),
+    "/scene.js": ("scene.js", "text/javascript; charset=utf-8"),
+    "/charts.js": ("charts.js", "text/javascript; charset=utf-8"),
+    "/status.js": ("status.js", "text/javascript; charset=utf-8"),
+}
+_HEADERS: Final = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+        "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+class PortTaken(GncError):
+    """Another process listens there."""
+
+
+class PageServer:
+    """Serves the page of a feed. Use it as a context manager.
+
+    Parameters
+    ----------
+    feed
+        What is shown.
+    host
+        Address to listen on.
+    port
+        None: `DEFAULT_PORT`, or any free one.
+
+    Raises
+    ------
+    PortTaken
+        The port asked for cannot be had.
+    """
+
+    def __init__(self, feed: Feed, host: str = "127.0.0.1", port: int | None = None) -> None:
+        watchers = threading.BoundedSemaphore(_MOST_WATCHERS)
+        members = {"feed": feed, "bound_host": host, "watchers": watchers}
+        handler = type("_BoundHandler", (_Handler,), members)
+        self._server = _listen(handler, host, port)
+        self._feed = feed
+        self.host = host
+        self.port = int(self._server.server_address[1])
+        self._thread = threading.Thread(target=self._server.serve_forever, daemon=True)
+
+    @property
+    def url(self) -> str:
+        """Where a browser on this machine finds the page."""
+        return f"http://{url_host(self.host)}:{self.port}/"
+
+    def __enter__(self) -> Self:
+        """Start to serve."""
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Let the watchers go and stop."""
+        self._feed.close()
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()
+
+
+def url_host(host: str) -> str:
+    """Return a host as a URL on this machine has it."""
+    if host in ("0.0.0.0", "::"):  # noqa: S104 - compared, not bound
+        return "127.0.0.1" if host == "0.0.0.0" else "[::1]"  # noqa: S104
+    return f"[{host}]" if ":" in host else host
+
+
+def is_loopback(host: str) -> bool:
+    """Tell whether only this machine can reach a server bound to ``host``."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+    block_on_close = False  # a watcher that takes nothing must not hold up the end
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing: a watcher that leaves is no error."""
+
+
+class _Server6(_Server):
+    address_family = socket.AF_INET6
+
+
+def _listen(handler: Any, host: str, port: int | None) -> _Server:
+    kind = _Server6 if ":" in host else _Server
+    wanted = (DEFAULT_PORT, 0) if port is None else (port,)
+    for last, candidate in ((p == wanted[-1], p) for p in wanted):
+        try:
+            return kind((host, candidate), handler)
+        except OSError as error:
+            if last or error.errno != errno.EADDRINUSE:
+                raise refused(host, candidate, error) from error
+    raise AssertionError  # the last candidate returned or raised
+
+
+def refused(host: str, port: int, error: OSError) -> PortTaken:
+    """Return the error to raise where a server cannot listen."""
+    if error.errno == errno.EADDRINUSE:
+        return PortTaken(
+            f"--port: received {port}, where another process listens; required a free port; choose "
+            "another, or leave --port out to take a free one"
+        )
+    if error.errno == errno.EACCES:
+        return PortTaken(
+            f"--port: received {port}, which this user may not use; required 1024 to 65535"
+        )
+    reason = os.strerror(error.errno) if error.errno and error.errno > 0 else str(error)
+    return PortTaken(
+        f"--host: received {host!r}, where nobody can listen ({reason}); required an address of "
+        "this machine such as 127.0.0.1"
+    )
+
+
+def host_is_ours(header: str | None, bound_host: str) -> bool:
+    """Tell whether a Host header names this machine.
+
+    Bound to loopback, only its names do. Otherwise an address or the machine's own name does too:
+    an address cannot be made to point elsewhere.
+    """
+    try:
+        name = urlsplit(f"//{header}").hostname if header else None
+    except ValueError:
+        return False
+    if not name:
+        return False
+    if name in (*_LOCAL_NAMES, bound_host.lower()):
+        return True
+    if is_loopback(bound_host):
+        return False
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return name == socket.gethostname().lower()
+    return True
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """Answers one request."""
+
+    feed: ClassVar[Feed]
+    bound_host: ClassVar[str]
+    watchers: ClassVar[threading.BoundedSemaphore]
+    timeout = _PATIENCE
+    server_version = "spacecraft_gnc"
+    sys_version = ""
+
+    def do_GET(self) -> None:
+        """Serve the page, or its events."""
+        path = self.path.partition("?")[0]
+        if not host_is_ours(self.headers.get("Host"), self.bound_host):
+            self._answer(HTTPStatus.MISDIRECTED_REQUEST, "this machine has another name\n")
+        elif path == "/events":
+            self._serve_events()
+        elif path in _FILES:
+            name, kind = _FILES[path]
+            self._answer(HTTPStatus.OK, (_PAGE / name).read_text(encoding="utf-8"), kind)
+        else:
+            self._answer(HTTPStatus.NOT_FOUND, "no such page\n")
+
+    def do_POST(self) -> None:
+        """Take a command of the page."""
+        host = self.headers.get("Host")
+        if not host_is_ours(host, self.bound_host):
+            self._answer(HTTPStatus.MISDIRECTED_REQUEST, "this machine has another name\n")
+        elif self.path != "/control":
+            self._answer(HTTPStatus.NOT_FOUND, "no such page\n")
+        elif not self._is_own_page(str(host)):
+            self._answer(HTTPStatus.FORBIDDEN, "commands come from the page itself\n")
+        else:
+            self._take_command()
+
+    def log_message(self, *_: Any) -> None:
+        """Say nothing: requests are no news."""
+
+    def _is_own_page(self, host: str) -> bool:
+        # Another site can post plain text without asking, but neither JSON nor a foreign Origin.
+        origin = self.headers.get("Origin")
+        return self.headers.get_content_type() == "application/json" and (
+            origin is None or origin == f"http://{host}"
+        )
+
+    def _take_command(self) -> None:
+        try:
+            command = self._read_command()
+            value = command.get("value")
+            self.feed.control(str(command.get("action")), None if value is None else float(value))
+        except (ValueError, TypeError, ParameterError) as error:
+            self._answer(HTTPStatus.BAD_REQUEST, f"{error}\n")
+        else:
+            self._answer(HTTPStatus.OK, "{}\n", "application/json")
+
+    def _read_command(self) -> Mapping[str, Any]:
+        length = int(self.headers.get("Content-Length") or 0)
+        if not 0 < length <= _MOST_BYTES:
+            raise ValueError(f"received {length} bytes; required 1 to {_MOST_BYTES}")
+        command = json.loads(self.rfile.read(length))
+        if not isinstance(command, dict):
+            raise TypeError("received no JSON object; required one with an action")
+        return command
+
+    def _serve_events(self) -> None:
+        if not self.watchers.acquire(blocking=False):
+            self._answer(HTTPStatus.SERVICE_UNAVAILABLE, "too many watchers\n")
+            return
+        try:
+            self._begin(HTTPStatus.OK, "text/event-stream")
+            for event in self.feed.events():
+                self.wfile.write(event.encode())
+        finally:
+            self.watchers.release()
+
+    def _answer(
+        self, status: HTTPStatus, text: str, kind: str = "text/plain; charset=utf-8"
+    ) -> None:
+        body = text.encode()
+        self._begin(status, kind, len(body))
+        self.wfile.write(body)
+
+    def _begin(self, status: HTTPStatus, kind: str, length: int | None = None) -> None:
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        if length is not None:
+            self.send_header("Content-Length", str(length))
+        for name, value in _HEADERS.items():
+            self.send_header(name, value)
+        self.end_headers()

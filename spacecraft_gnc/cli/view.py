@@ -1,0 +1,158 @@
+"""``gnc view``: watch a flight in the browser, or in the Foxglove app."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.cli._domain import DomainOption, choose_domain, find_domain
+from spacecraft_gnc.cli._progress import show_progress
+from spacecraft_gnc.errors import ParameterError
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.live.feed import Feed
+    from spacecraft_gnc.analysis.live.recorded import RecordedFlight
+    from spacecraft_gnc.nodes._live_flight import LiveFlight
+
+_LAYOUT = "spacecraft_gnc.foxglove-layout.json"
+BagArgument = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="[BAG|FILE.npz]",
+        help="Bag folder, .mcap file, or .npz of gnc simulate.  [default: the running graph]",
+    ),
+]
+PortOption = Annotated[
+    int | None,
+    typer.Option(
+        "--port", min=1, max=65535, help="[default: 8760, for Foxglove 8765; taken: any free one]"
+    ),
+]
+HostOption = Annotated[
+    str, typer.Option("--host", help="Address to listen on; 127.0.0.1 is reached from here only.")
+]
+FoxgloveOption = Annotated[
+    bool, typer.Option("--foxglove", help="Serve the Foxglove app instead of a page of our own.")
+]
+RateOption = Annotated[
+    float, typer.Option("--rate", metavar="X", help="Simulated seconds per second, for a bag.")
+]
+UnfinishedOption = Annotated[
+    bool, typer.Option("--unfinished", help="Read what was saved of a bag that was cut off.")
+]
+
+
+def view(
+    bag: BagArgument = None,
+    port: PortOption = None,
+    host: HostOption = "127.0.0.1",
+    foxglove: FoxgloveOption = False,
+    rate: RateOption = 1.0,
+    unfinished: UnfinishedOption = False,
+    namespace: Annotated[str, typer.Option(help="Of the spacecraft in a graph of several.")] = "",
+    domain_id: DomainOption = None,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Do not open the browser.")
+    ] = False,
+    as_json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Watch a flight live at 10 Hz, or a bag with pause and seek; Ctrl-C ends."""
+    from spacecraft_gnc.analysis.live.feed import Feed
+    from spacecraft_gnc.analysis.live.server import PageServer, is_loopback
+
+    if not is_loopback(host):
+        print(
+            f"warning: --host {host}: everybody who reaches this machine can watch; there is no "
+            "password",
+            file=sys.stderr,
+        )
+    if bag is None and rate != 1.0:
+        raise ParameterError("--rate: received a rate for a live graph; required a bag; name one")
+    stop = _StopRequest()
+    if foxglove:
+        from spacecraft_gnc.cli._view_foxglove import serve_bag, serve_graph
+        from spacecraft_gnc.scenario.shipped import shipped_file
+
+        def announce(url: str, port: int) -> None:
+            layout = shipped_file(_LAYOUT)
+            how = f"in Foxglove: open connection {url}, import layout {layout}"
+            _announce({"url": url, "port": port, "layout": layout}, how, as_json, quiet)
+
+        if bag is None:
+            serve_graph(choose_domain(domain_id), host, port, announce, stop)
+        else:
+            serve_bag(bag, rate, unfinished, host, port, announce, stop)
+        return
+    with (
+        _live(domain_id, namespace)
+        if bag is None
+        else _recorded(bag, rate, unfinished, quiet or as_json)
+    ) as flight:
+        feed = Feed(flight)
+        with PageServer(feed, host, port) as server:
+            about = {"url": server.url, "port": server.port}
+            _announce(about, server.url, as_json, quiet)
+            if not no_browser and sys.stdout.isatty():
+                webbrowser.open(server.url)
+            _run(feed, flight, stop)
+
+
+def _run(feed: Feed, flight: RecordedFlight | LiveFlight, stop: _StopRequest) -> None:
+    """Make a frame every tenth of a second, whatever making one takes."""
+    from spacecraft_gnc.analysis.live.feed import PERIOD
+
+    due = time.monotonic()
+    while not stop():
+        feed.tick()
+        due = max(due + PERIOD, time.monotonic())
+        flight.wait(due - time.monotonic())
+
+
+def _live(domain_id: int | None, namespace: str) -> LiveFlight:
+    from spacecraft_gnc.nodes._live_flight import LiveFlight
+
+    choose_domain(domain_id)  # refuses where several graphs run
+    return LiveFlight(lambda: find_domain(domain_id), namespace)
+
+
+def _recorded(path: Path, rate: float, unfinished: bool, quiet: bool) -> RecordedFlight:
+    from spacecraft_gnc.analysis.live.recorded import RecordedFlight
+    from spacecraft_gnc.analysis.run_names import run_name
+    from spacecraft_gnc.recording.reader import load_run
+
+    with show_progress("reading", silent=quiet) as progress:
+        flight = load_run(path, allow_unfinished=unfinished, progress=progress)
+    for warning in flight.info.warnings():
+        print(f"warning: {warning}", file=sys.stderr)
+    return RecordedFlight(flight, run_name(path), rate)
+
+
+def _announce(about: dict[str, Any], text: str, as_json: bool, quiet: bool) -> None:
+    if as_json:
+        print_json(about)
+        sys.stdout.flush()
+    elif not quiet:
+        print(f"{text}  (Ctrl-C ends)", flush=True)
+
+
+class _StopRequest:
+    """Whether Ctrl-C or SIGTERM asked for the end."""
+
+    def __init__(self) -> None:
+        self._asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, *_: Any) -> None:
+        self._asked = True
+
+    def __call__(self) -> bool:
+        return self._asked

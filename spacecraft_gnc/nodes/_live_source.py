@@ -1,0 +1,277 @@
+"""A flying graph as somebody watches it: the last messages of its topics, put into one picture."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+from rclpy.serialization import deserialize_message
+from spacecraft_gnc_msgs.msg import GovernorStatus, SolverStatus, WallTiming
+
+from spacecraft_gnc.analysis.live.history import History, sample
+from spacecraft_gnc.analysis.live.picture import (
+    Decision,
+    Phase,
+    Picture,
+    Setup,
+    Solve,
+    Timing,
+    status_name,
+)
+from spacecraft_gnc.analysis.live.transport import Transport
+from spacecraft_gnc.launcher import domain
+from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes._graph import GraphView
+from spacecraft_gnc.nodes._inboxes import Inbox, Rates
+from spacecraft_gnc.nodes._setup_reader import SetupReader
+from spacecraft_gnc.nodes._topics import (
+    GOVERNOR_STATUS,
+    REFERENCE,
+    SOLVER_STATUS,
+    STATE,
+    TARGET,
+    TORQUE,
+    WALL_TIMING,
+)
+from spacecraft_gnc.recording._topic import step_of
+from spacecraft_gnc.types import Matrix3
+
+_STALE: Final = 2.0  # [s] wall without a state, at least; a slow flight has its own pace
+_STALE_PERIODS: Final = 3.0
+_LOOK: Final = 0.5  # [s] wall between two looks at who publishes
+_MOST_SAMPLES: Final = 60  # of one picture: a fast flight is drawn coarser
+_TOPICS: Final = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, WALL_TIMING, TARGET)
+
+
+class LiveSource:
+    """Listens to one flight of a graph; implements `analysis.live.feed.Watched`.
+
+    Parameters
+    ----------
+    view
+        The graph; its owner spins it.
+    namespace
+        Of the spacecraft.
+    clock
+        Wall time [s]; tests hand in their own.
+    """
+
+    transport: Transport | None = None
+
+    def __init__(
+        self, view: GraphView, namespace: str = "", clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._view = view
+        self._clock = clock
+        space = namespace.strip("/")
+        prefix = f"/{space}/" if space else "/"
+        self.setup = Setup(title=_title(view.domain_id), live=True)
+        self.history = History()
+        self._reader = SetupReader(view.node, prefix)
+        self._state_name = f"{prefix}{STATE.name}"
+        self._inboxes = {topic.name: Inbox() for topic in _TOPICS}
+        for topic in _TOPICS:
+            self._listen(topic, prefix)
+        self._rates = Rates(self._inboxes)
+        self._look_at, self._publishers = -math.inf, 0
+        self._step = self._sampled = -1
+        self._arrived = self._interval = 0.0
+        self._adopted: Matrix3 | None = None
+
+    def _listen(self, topic: Any, prefix: str) -> None:
+        inbox = self._inboxes[topic.name]
+        is_state = topic is STATE
+
+        def take(data: bytes) -> None:
+            step = step_of(data)
+            if step is None:
+                return
+            if is_state:
+                self._note_step(step)
+            inbox.put(step, data)
+
+        name = f"{prefix}{topic.name}"
+        self._view.node.create_subscription(topic.type, name, take, topic.qos, raw=True)
+
+    @property
+    def heard(self) -> bool:
+        """Whether a state was ever received."""
+        return self._step >= 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether the flight is over."""
+        return self._phase(self._clock()) is Phase.OVER
+
+    def picture(self) -> Picture:
+        """Return what there is to see now, and sample what came since the last call."""
+        now = self._clock()
+        self._read_setup()
+        if now - self._look_at >= _LOOK:
+            self._look_at, self._publishers = now, len(self._view.publishers(self._state_name))
+        self._sample()
+        phase = self._phase(now)
+        if not self.heard:
+            return Picture(phase=phase, note=self._note(phase, now), rates={})
+        return self._at(self._step, phase, self._note(phase, now), now)
+
+    # What arrives.
+
+    def _note_step(self, step: int) -> None:
+        now = self._clock()
+        if step < self._step:  # another flight begins
+            self._forget()
+        if step > self._step and self._step >= 0:
+            self._interval = now - self._arrived
+        if step != self._step:
+            self._step, self._arrived = step, now
+
+    def _forget(self) -> None:
+        for inbox in self._inboxes.values():
+            inbox.messages.clear()
+        self.history.clear()
+        self._step = self._sampled = -1
+        self._arrived = self._interval = 0.0
+        self._adopted = None
+        self._reader.restart()
+
+    def _read_setup(self) -> None:
+        found = self._reader.poll(self._clock())
+        if found is not None:
+            self.setup = Setup.of(found, _title(self._view.domain_id), live=True)
+
+    # What it looks like.
+
+    def _phase(self, now: float) -> Phase:
+        if not self.heard:
+            return Phase.WAITING
+        if 0 < self.setup.n_steps <= self._step or self._publishers == 0:
+            return Phase.OVER
+        patience = max(_STALE, _STALE_PERIODS * self._interval)
+        return Phase.STALE if now - self._arrived > patience else Phase.FLYING
+
+    def _note(self, phase: Phase, now: float) -> str:
+        where = f"ROS_DOMAIN_ID={self._view.domain_id}"
+        if phase is Phase.WAITING:
+            who = "a plant is there, but has not begun" if self._publishers else "no plant is there"
+            return f"nothing received yet from {self._state_name} on {where}: {who}"
+        if phase is Phase.OVER:
+            return f"the flight is over; its end is shown until another one begins on {where}"
+        if phase is Phase.STALE:
+            return f"no new state for {now - self._arrived:.0f} s, though {where} has a plant"
+        return ""
+
+    def _sample(self) -> None:
+        """Sample the steps before the newest, whose reference and torque have come by now."""
+        states = self._inboxes[STATE.name].messages
+        end = self._step + (1 if self._publishers == 0 else 0)
+        new = [k for k in states if self._sampled < k < end and self.history.wants(k)]
+        if not new:
+            return
+        for step in new[:: max(1, len(new) // _MOST_SAMPLES)]:
+            picture = self._at(step, Phase.FLYING, "", None)
+            self.history.append(sample(picture, self.setup.target))
+        self._sampled = new[-1]
+        for inbox in self._inboxes.values():
+            inbox.forget_before(self._step)
+
+    def _at(self, step: int, phase: Phase, note: str, now: float | None) -> Picture:
+        """Return the picture of a step; with ``now`` [s] also what is not of a step."""
+        try:
+            stamp, state, _ = convert.decode_state(self._message(STATE.name, step), 0)
+        except convert.Refused as refusal:
+            return Picture(phase=phase, note=f"a state was refused: {refusal}", step=step)
+        reference = self._reference(REFERENCE.name, step)
+        torque = self._torque(step)
+        decision = self._decision(step, reference)
+        return Picture(
+            phase=phase,
+            note=note,
+            step=step,
+            time=stamp[0] + 1e-9 * stamp[1],
+            attitude=state.attitude,
+            reference=reference,
+            target=self._adopted,
+            momentum=state.momentum,
+            torque=None if torque is None else torque.torque,
+            source=-1 if torque is None else int(torque.source),
+            solve=None if now is None else self._solve(),
+            decision=decision,
+            timing=None if now is None else self._timing(),
+            rates={} if now is None else self._rates.at(now),
+        )
+
+    def _message(self, topic: str, step: int) -> bytes:
+        """Return the message of a step, or else the last one."""
+        inbox = self._inboxes[topic]
+        return inbox.messages.get(step, inbox.last)
+
+    def _reference(self, topic: str, step: int) -> Matrix3 | None:
+        data = self._message(topic, step)
+        try:
+            return convert.decode_reference(data)[1].attitude if data else None
+        except convert.Refused:
+            return None
+
+    def _torque(self, step: int) -> convert.Torque | None:
+        data = self._message(TORQUE.name, step)
+        try:
+            return convert.decode_torque(data) if data else None
+        except convert.Refused:
+            return None
+
+    def _solve(self) -> Solve | None:
+        data = self._inboxes[SOLVER_STATUS.name].last
+        if not data:
+            return None
+        m = deserialize_message(data, SolverStatus)
+        return Solve(
+            status=status_name(m.status),
+            iterations=m.iterations,
+            residual=m.residual,
+            cost=m.cost,
+            curvature=m.min_curvature,
+            solve_time=m.wall_solve_time,
+        )
+
+    def _decision(self, step: int, reference: Matrix3 | None) -> Decision | None:
+        data = self._message(GOVERNOR_STATUS.name, step)
+        if not data:
+            return None
+        m = deserialize_message(data, GovernorStatus)
+        if m.alpha == 1.0 and m.waypoints == 0:  # the whole way is allowed: this is the target
+            self._adopted = reference
+        elif self._inboxes[TARGET.name].last:
+            self._adopted = self._reference(TARGET.name, step)
+        return Decision(
+            alpha=m.alpha,
+            margin=m.margin,
+            admissible=m.admissible,
+            constraint=m.active_constraint,
+        )
+
+    def _timing(self) -> Timing | None:
+        data = self._inboxes[WALL_TIMING.name].last
+        if not data:
+            return None
+        m = deserialize_message(data, WallTiming)
+        simulated = m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec
+        return Timing(
+            speed=simulated / m.wall_elapsed if m.wall_elapsed > 0.0 else math.nan,
+            latency=m.wall_latency,
+            slack=m.wall_deadline_slack,
+            missed=m.missed_deadlines,
+            held=m.held_commands,
+            rejected=m.rejected_messages,
+        )
+
+
+def _title(domain_id: int) -> str:
+    """Name the graph by the scenario that its launcher wrote down, if there is one."""
+    for graph in domain.running_graphs():
+        if graph.domain_id == domain_id and "scenario" in graph.about:
+            return Path(graph.about["scenario"]).stem
+    return f"ROS_DOMAIN_ID={domain_id}"

@@ -1,0 +1,110 @@
+"""The terminal dashboard: what a frame and a line show."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from io import StringIO
+
+import numpy as np
+import pytest
+from live.watching import Wall, recorded
+from rich.console import Console
+
+from spacecraft_gnc.analysis.live.picture import Decision, Phase, Picture, Solve, Timing
+from spacecraft_gnc.cli._dashboard import line, render
+
+SETUP = replace(recorded(Wall()).setup, live=True, governor="attitude")
+PICTURE = Picture(
+    phase=Phase.FLYING,
+    step=10,
+    time=4.0,
+    attitude=np.eye(3),
+    reference=np.eye(3),
+    momentum=np.array([1e-3, 0.0, -2e-3]),
+    torque=np.array([0.005, 0.0, -0.01]),
+    source=0,
+    solve=Solve(status="converged", iterations=3, residual=1e-13, curvature=0.8, solve_time=4e-5),
+    decision=Decision(alpha=0.5, margin=0.1, constraint="torque limit"),
+    timing=Timing(speed=2.0, latency=1e-3, slack=0.2, missed=4),
+    rates={"attitude_state": 2.5, "target_attitude": 0.0},
+)
+
+
+def shown(picture: Picture, *, colours: bool = False) -> str:
+    out = StringIO()
+    system = "truecolor" if colours else None
+    console = Console(file=out, width=100, force_terminal=colours, color_system=system)
+    console.print(render(picture, SETUP))
+    return out.getvalue()
+
+
+def test_a_frame_shows_what_matters() -> None:
+    text = shown(PICTURE)
+    for words in (
+        "flying",
+        "step 10 of 375",
+        "error to target",
+        "margin to star",
+        "of 0.01 N m",
+        "optimal",
+        "3 iterations, residual 1.00e-13, 40 us",
+        "least curvature 0.8",
+        "limited by torque limit",
+        "2 times real time",
+        "4 deadlines missed",
+        "attitude_state 2.5",
+    ):
+        assert words in text
+    assert "target_attitude" not in text  # nothing comes there
+    assert "nan" not in text
+
+
+def test_bars_end_at_the_limit() -> None:
+    rows = {
+        name: row
+        for row in shown(PICTURE).splitlines()
+        for name in "xyz"
+        if f"torque {name}" in row
+    }
+    assert [rows[name].count("█") for name in "xyz"] == [8, 0, 15]
+    assert rows["x"].index("█") > rows["x"].index("│", 2)  # positive: to the right of zero
+    assert rows["z"].index("█") < rows["x"].index("█")
+
+
+def test_no_colours_where_nobody_sees_them() -> None:
+    assert "\x1b[" not in shown(PICTURE)
+    assert "\x1b[" in shown(PICTURE, colours=True)
+
+
+def test_a_fallback_stands_out() -> None:
+    assert "\x1b[31mzero" in shown(replace(PICTURE, source=4), colours=True)
+
+
+@pytest.mark.parametrize(
+    "missing", ["attitude", "reference", "torque", "solve", "timing", "decision"]
+)
+def test_what_has_not_come_leaves_no_hole(missing: str) -> None:
+    bare = replace(PICTURE, **{missing: None})
+    assert "flying" in shown(bare)
+    assert line(bare).startswith("flying, step 10, t = 4.0 s")
+
+
+def test_numbers_that_are_not_known_are_not_shown_as_nan() -> None:
+    unknown = replace(
+        PICTURE,
+        solve=Solve(status="no solve", iterations=0, residual=math.nan),
+        timing=Timing(),
+        reference=None,
+    )
+    assert "nan" not in shown(unknown)
+    assert "nan" not in line(unknown)
+
+
+def test_a_line_is_one_line() -> None:
+    text = line(PICTURE)
+    assert "\n" not in text
+    assert "0 deg off the reference" in text
+    assert "(optimal)" in text
+    assert "alpha 0.5" in text
+    assert "4 deadlines missed" in text
