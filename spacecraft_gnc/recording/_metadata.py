@@ -25,6 +25,8 @@ class TopicSummary(NamedTuple):
     qos_yaml: str
     type_hash: str
     message_count: int
+    lost: int = 0
+    """Messages known to be lost."""
 
 
 class BagSummary(NamedTuple):
@@ -62,9 +64,14 @@ class BagSummary(NamedTuple):
                     "message_count": count,
                 }
             ],
-            "custom_data": None,
+            "custom_data": self._losses(),
             "ros_distro": self.ros_distro,
         }
+
+    def _losses(self) -> dict[str, str]:
+        """Return what the bag lacks, as rosbag2 wants it: text by key."""
+        lost = {f"messages_lost {topic.name}": topic.lost for topic in self.topics if topic.lost}
+        return {key: str(n) for key, n in {"messages_lost": sum(lost.values()), **lost}.items()}
 
 
 def _topic_entry(topic: TopicSummary) -> dict[str, object]:

@@ -22,6 +22,8 @@ class TopicCount(NamedTuple):
     """Control steps that never came (topics whose messages carry a step)."""
     repeats: int
     """Messages of a step that had come before, or that came out of order."""
+    lost: int
+    """Messages known to be lost."""
 
 
 @dataclass(slots=True)
@@ -34,10 +36,19 @@ class Topic:
     type_hash: str
     stepped: bool
     """Whether its messages start with `STEPPED_START`."""
+    gapless: bool = True
+    """Whether a step without a message is a loss."""
+    reported: int = 0
+    """Losses that the receiver knows of."""
     messages: int = 0
     gaps: int = 0
     repeats: int = 0
     next_step: int = 0
+
+    @property
+    def lost(self) -> int:
+        """Messages known to be lost: what the receiver and the steps say is the same loss."""
+        return max(self.reported, self.gaps if self.gapless else 0)
 
     def count_step(self, data: bytes) -> None:
         """Compare the step of a serialized message with the one expected."""

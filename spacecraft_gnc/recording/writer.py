@@ -6,7 +6,6 @@ metadata.yaml last and in one step. A folder without it is a bag that was cut of
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -18,7 +17,7 @@ from mcap.writer import CompressionType, Writer
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.recording._file import RecordFile, prepare_folder
+from spacecraft_gnc.recording._file import RecordFile, prepare_folder, refused_message, stopped
 from spacecraft_gnc.recording._metadata import (
     BagSummary,
     TopicSummary,
@@ -32,6 +31,8 @@ CHUNK_SIZE: Final = 256 * 1024  # [bytes]
 FLUSH_PERIOD: Final = 0.5
 """A chunk is closed at this age, however small it is [s]; with a timer that calls
 `BagWriter.flush` as often, a killed recorder loses less than a second."""
+LOSSES_RECORD: Final = "losses"
+"""Metadata record: messages known to be lost, by topic."""
 _MESSAGE_OVERHEAD = 31  # bytes that an MCAP message record adds to its payload
 
 
@@ -78,6 +79,7 @@ class BagWriter:
         self._schema_ids: dict[str, int] = {}
         self._start_ns, self._end_ns = 2**63 - 1, 0
         self._pending = 0
+        self._losses_changed = False
         self._saved_messages = 0
         self._due = time.monotonic() + FLUSH_PERIOD
         self._file: RecordFile | None = None
@@ -104,6 +106,7 @@ class BagWriter:
         *,
         qos_yaml: str = "",
         type_hash: str = "",
+        gapless: bool = True,
     ) -> None:
         """Announce a topic; needed once before its first message.
 
@@ -119,6 +122,8 @@ class BagWriter:
             Offered profiles of the publishers (`recording.qos.qos_yaml`).
         type_hash
             REP-2011 hash ``RIHS01_...``; readers check the definition against it.
+        gapless
+            Whether a control step without a message counts as a loss.
         """
         if topic in self._topics:
             return
@@ -131,7 +136,7 @@ class BagWriter:
                 {"offered_qos_profiles": qos_yaml, "topic_type_hash": type_hash},
             )
         stepped = [*fields(schema_text)][:2] == STEPPED_START
-        self._topics[topic] = Topic(channel_id, type_name, qos_yaml, type_hash, stepped)
+        self._topics[topic] = Topic(channel_id, type_name, qos_yaml, type_hash, stepped, gapless)
         self._live[topic] = self._topics[topic]
 
     def write(self, topic: str, log_time_ns: int, publish_time_ns: int, data: bytes) -> None:
@@ -151,7 +156,7 @@ class BagWriter:
         """
         entry = self._live.get(topic)
         if entry is None or log_time_ns < 0 or publish_time_ns < 0:
-            raise self._refusal(topic, log_time_ns, publish_time_ns)
+            raise refused_message(self.path, topic, entry is not None, log_time_ns, publish_time_ns)
         self._mcap.add_message(entry.channel_id, log_time_ns, data, publish_time_ns, entry.messages)
         entry.messages += 1
         if entry.stepped:
@@ -162,10 +167,17 @@ class BagWriter:
         if self._pending >= self._chunk_size or time.monotonic() >= self._due:
             self.flush()
 
+    def report_loss(self, topic: str, lost: int) -> None:
+        """Tell how many messages of a topic were lost, all in all, on their way to the writer."""
+        self._topics[topic].reported = lost
+        self._losses_changed = True
+
     def flush(self) -> None:
         """Hand everything written so far to the operating system: a killed process keeps it."""
         with self._saving():
             self._mcap.flush()  # type: ignore[no-untyped-call]
+        if self._losses_changed:
+            self._add_losses()
         self._saved_messages = sum(topic.messages for topic in self._topics.values())
         self._pending = 0
         self._due = time.monotonic() + FLUSH_PERIOD
@@ -188,9 +200,9 @@ class BagWriter:
 
     @property
     def counts(self) -> dict[str, TopicCount]:
-        """Messages, gaps and repeats of each topic."""
+        """Messages, gaps, repeats and losses of each topic."""
         return {
-            name: TopicCount(topic.messages, topic.gaps, topic.repeats)
+            name: TopicCount(topic.messages, topic.gaps, topic.repeats, topic.lost)
             for name, topic in self._topics.items()
         }
 
@@ -199,7 +211,7 @@ class BagWriter:
         if self._file is None:
             return
         self.flush()
-        self.metadata("losses", {name: str(count.gaps) for name, count in self.counts.items()})
+        self._add_losses()
         with self._saving() as file:
             self._add_rosbag2_record()
             self._mcap.finish()  # type: ignore[no-untyped-call]
@@ -251,11 +263,7 @@ class BagWriter:
             with suppress(OSError):
                 self._close_file()
         self._remove_if_empty()
-        left = f"; {self._saved_messages} messages are saved" if self._saved_messages else ""
-        return RecordingError(
-            f"{self.path}: recording stopped ({os.strerror(error.errno or 0)}){left}; required a "
-            "writable folder with free space; free some or choose another output folder"
-        )
+        return stopped(self.path, self._saved_messages, error)
 
     def _close_file(self) -> None:
         file, self._file = self._file, None
@@ -271,16 +279,6 @@ class BagWriter:
             if self._made_folder:
                 self.folder.rmdir()
 
-    def _refusal(self, topic: str, log_time_ns: int, publish_time_ns: int) -> RecordingError:
-        if topic not in self._live:
-            return RecordingError(
-                f"{topic}: not announced to {self.path}, or the bag is closed; call add_topic first"
-            )
-        return RecordingError(
-            f"{topic}: received log time {log_time_ns} ns and publish time {publish_time_ns} ns; "
-            "required not negative; give nanoseconds of one clock"
-        )
-
     def _schema_id(self, type_name: str, schema_text: str) -> int:
         if type_name not in self._schema_ids:
             self._schema_ids[type_name] = self._mcap.register_schema(
@@ -288,13 +286,18 @@ class BagWriter:
             )
         return self._schema_ids[type_name]
 
+    def _add_losses(self) -> None:
+        """Say what is missing; a later record of this name replaces an earlier one."""
+        self.metadata(LOSSES_RECORD, {name: str(t.lost) for name, t in self._topics.items()})
+        self._losses_changed = False
+
     def _add_rosbag2_record(self) -> None:
         text = dump(self._summary().information())
         self._mcap.add_metadata("rosbag2", {"serialized_metadata": text})
 
     def _summary(self) -> BagSummary:
         topics = [
-            TopicSummary(name, topic.type_name, topic.qos_yaml, topic.type_hash, topic.messages)
-            for name, topic in self._topics.items()
+            TopicSummary(name, t.type_name, t.qos_yaml, t.type_hash, t.messages, t.lost)
+            for name, t in self._topics.items()
         ]
         return BagSummary(self.path.name, self._start_ns, self._end_ns, topics, self._ros_distro)
