@@ -69,8 +69,3 @@ def print_error(error: Exception | str) -> None:
     """Print one ``error:`` line on stderr for each line of the message."""
     for line in str(error).splitlines():
         print(f"error: {line}", file=sys.stderr)
-
-
-def is_interactive() -> bool:
-    """Tell whether somebody watches stdout."""
-    return sys.stdout.isatty()

@@ -6,12 +6,15 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from spacecraft_gnc.cli._common import RunFailed, json_able, print_table
+from spacecraft_gnc.cli._common import QuietOption, RunFailed, json_able, print_table
+from spacecraft_gnc.cli._progress import Progress, show_progress
 from spacecraft_gnc.scenario.shipped import shipped
 
 ResultOption = Annotated[
@@ -29,33 +32,52 @@ _FLIGHT = 4000.0  # [s] simulated: 10,000 control steps, so that the start does 
 
 
 def bench(
-    result: ResultOption = None, graph: GraphOption = True, peers: PeersOption = True
+    result: ResultOption = None,
+    graph: GraphOption = True,
+    peers: PeersOption = True,
+    quiet: QuietOption = False,
 ) -> None:
     """Measure the speed of Gupta's Case I, layer by layer; figures for docs/performance.md."""
+    with show_progress("measuring", silent=quiet) as progress:
+        figures = _measure(graph, progress)
+    if not quiet:
+        _print(figures)
+    if peers and _PEERS.is_file():
+        figures["peers"] = _time_peers(quiet)
+    elif not quiet:
+        print("other solvers: skipped; `make bench` in a checkout installs and times them")
+    if result is not None:
+        result.write_text(json.dumps(json_able(figures), indent=2) + "\n", encoding="utf-8")
+        if not quiet:
+            print(f"written to {result}")
+
+
+def _measure(graph: bool, progress: Progress) -> dict[str, Any]:
+    """Measure one layer after the other; return the figures by name."""
     from spacecraft_gnc.analysis import speed
     from spacecraft_gnc.scenario import load
 
     path = shipped("gupta2015_case1")
-    scenario = load(path)
-    figures: dict[str, Any] = {"machine": speed.machine()}
-    figures["integrator"] = speed.time_integrator(scenario.plant.inertia, scenario.plant.time_step)
-    figures["solve_kernel"] = speed.time_kernel(scenario)
-    figures["loop"] = speed.time_flight(scenario.build())
-    case_2 = load(shipped("gupta2015_case2_offplane"))
-    figures["loop_case_2"] = speed.time_flight(case_2.build())
+    case_1, case_2 = load(path), load(shipped("gupta2015_case2_offplane"))
     neighboring = load(path, ["nmpc_controller.method=neighboring_extremal"])
-    figures["loop_neighboring"] = speed.time_flight(neighboring.build())
-    figures["governor"] = speed.time_governor(load(shipped("kalabic2014_governor")))
-    for name, options in _GRAPHS.items() if graph else ():
-        figures[name] = _time_graph(path, options)
-    _print(figures)
-    if peers and _PEERS.is_file():
-        figures["peers"] = _time_peers()
-    else:
-        print("other solvers: skipped; `make bench` in a checkout installs and times them")
-    if result is not None:
-        result.write_text(json.dumps(json_able(figures), indent=2) + "\n", encoding="utf-8")
-        print(f"written to {result}")
+    governed = load(shipped("kalabic2014_governor"))
+    plant = case_1.plant
+    layers: dict[str, Callable[[], Any]] = {
+        "integrator": lambda: speed.time_integrator(plant.inertia, plant.time_step),
+        "solve_kernel": lambda: speed.time_kernel(case_1),
+        "loop": lambda: speed.time_flight(case_1.build()),
+        "loop_case_2": lambda: speed.time_flight(case_2.build()),
+        "loop_neighboring": lambda: speed.time_flight(neighboring.build()),
+        "governor": lambda: speed.time_governor(governed),
+    }
+    if graph:
+        for name, options in _GRAPHS.items():
+            layers[name] = partial(_time_graph, path, options)
+    figures: dict[str, Any] = {"machine": speed.machine()}
+    for done, (name, measure) in enumerate(layers.items()):
+        progress(done, len(layers), f"measuring {name}")
+        figures[name] = measure()
+    return figures
 
 
 def _time_graph(path: Path, options: list[str]) -> dict[str, Any]:
@@ -70,13 +92,14 @@ def _time_graph(path: Path, options: list[str]) -> dict[str, Any]:
     return account
 
 
-def _time_peers() -> dict[str, Any]:
+def _time_peers(quiet: bool) -> dict[str, Any]:
     """Run the comparison of the checkout, which prints its own table; return its figures."""
     sys.stdout.flush()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "peers.json"
         command = [sys.executable, str(_PEERS), "--json", str(path)]
-        if subprocess.run(command, check=False).returncode != 0:
+        output = subprocess.DEVNULL if quiet else None
+        if subprocess.run(command, check=False, stdout=output).returncode != 0:
             raise RunFailed(f"{' '.join(command)} failed; what it said stands above")
         figures: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return figures

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,17 +12,14 @@ import typer
 from spacecraft_gnc.cli._common import (
     QuietOption,
     RunFailed,
-    is_interactive,
     json_able,
 )
+from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import RecordingError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.analysis.reproduce.flights import Progress
     from spacecraft_gnc.analysis.reproduce.report import Report
 
-_PATIENCE = 2.0  # wall time [s] before a progress line appears
-_REFRESH = 0.1  # wall time [s] between two pictures of it
 NameArgument = Annotated[
     str | None,
     typer.Argument(
@@ -63,8 +57,12 @@ def reproduce(
     _require_writable(result)
     reports = []
     for paper in PAPERS if name is None else [name]:
-        with _progress(quiet) as progress:
-            report = reproduce(paper, baselines=baselines, progress=progress)
+        with show_progress("flying", silent=quiet) as show:
+            report = reproduce(
+                paper,
+                baselines=baselines,
+                progress=lambda what, step, n_steps: show(step, n_steps, what),
+            )
             files = save_figures(report.draw(), out)
         if not quiet:
             _print(report, files)
@@ -106,33 +104,3 @@ def _print(report: Report, files: list[Path]) -> None:
     for file in files:
         print(f"written to {file}")
     print()
-
-
-@contextmanager
-def _progress(silent: bool) -> Iterator[Progress]:
-    """Yield a progress callback that shows a bar once the flights last."""
-    if silent or not is_interactive():
-        yield lambda _what, _step, _n_steps: None
-        return
-    from rich.progress import Progress as Bar
-
-    started = time.perf_counter()
-    with Bar(transient=True, auto_refresh=False) as bar:
-        task = bar.add_task("flying", visible=False)
-        refreshed = started
-
-        def update(what: str, step: int, n_steps: int) -> None:
-            nonlocal refreshed
-            now = time.perf_counter()
-            if now - started > _PATIENCE and now - refreshed >= _REFRESH:
-                refreshed = now
-                bar.update(
-                    task,
-                    description=what,
-                    completed=step,
-                    total=n_steps,
-                    visible=True,
-                    refresh=True,
-                )
-
-        yield update

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,18 +15,16 @@ from spacecraft_gnc.cli._common import (
     RunFailed,
     ScenarioArgument,
     SetOption,
-    is_interactive,
     print_json,
     print_table,
 )
+from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import GncError, ParameterError, RecordingError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.closed_loop import ClosedLoop, Progress
+    from spacecraft_gnc.loop.closed_loop import ClosedLoop
     from spacecraft_gnc.loop.trajectory import Trajectory
 
-_PATIENCE = 2.0  # wall time [s] before a progress bar appears
-_REFRESH = 0.1  # wall time [s] between two pictures of it
 _BYTES_PER_STEP = 31 * 8  # numbers that a `Trajectory` keeps of each step
 _NOTHING = "-"  # a row without a value is left out
 OutOption = Annotated[
@@ -62,7 +58,7 @@ def simulate(
     for core in (loop.plant, loop.controller, loop.governor):
         core.warm_up()  # loads the kernels, which is no part of the flight
     started = time.perf_counter()
-    trajectory = _fly(loop, silent=quiet or as_json)
+    trajectory = _fly(loop, silent=quiet)
     wall_time = time.perf_counter() - started
     if out is not None:
         trajectory.save(out)
@@ -121,33 +117,10 @@ def require_memory(n_steps: int) -> None:
 
 def _fly(loop: ClosedLoop, silent: bool) -> Trajectory:
     try:
-        with _progress(silent) as progress:
+        with show_progress("flying", silent=silent) as progress:
             return loop.run(progress)
     except GncError as error:  # the input was accepted: what fails now is the run
         raise RunFailed(str(error)) from error
-
-
-@contextmanager
-def _progress(silent: bool) -> Iterator[Progress | None]:
-    """Yield a progress callback that shows a bar once the flight lasts; None if nobody watches."""
-    if silent or not is_interactive():
-        yield None
-        return
-    from rich.progress import Progress as Bar
-
-    started = time.perf_counter()
-    with Bar(transient=True, auto_refresh=False) as bar:
-        task = bar.add_task("flying", visible=False)
-        refreshed = started
-
-        def update(step: int, n_steps: int) -> None:
-            nonlocal refreshed
-            now = time.perf_counter()
-            if now - started > _PATIENCE and now - refreshed >= _REFRESH:
-                refreshed = now
-                bar.update(task, completed=step, total=n_steps, visible=True, refresh=True)
-
-        yield update
 
 
 def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:

@@ -10,7 +10,6 @@ import pytest
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.reproduce import PAPERS, bagherzadeh2023_study, reproduce
 from spacecraft_gnc.analysis.reproduce.report import Check, Table, seconds, table_lines
-from spacecraft_gnc.cli import reproduce as command
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.shipped import shipped
@@ -117,16 +116,6 @@ def test_a_figure_that_does_not_come_out_ends_with_1(tmp_path, capsys, monkeypat
     (line,) = captured.err.splitlines()
     assert line.startswith("error: reproduce: 1 figure did not come out")
     assert "10 deg, [1,1,1]: NE open loop" in line
-
-
-def test_progress_is_shown_to_who_watches_once_it_lasts(capsys, monkeypatch):
-    monkeypatch.setattr(command, "is_interactive", lambda: True)
-    monkeypatch.setattr(command, "_PATIENCE", -1.0)
-    monkeypatch.setattr(command, "_REFRESH", 0.0)
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    with command._progress(silent=False) as progress:
-        progress("gupta2015_case1", 1, 2)
-    assert "gupta2015_case1" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("ours", "ok"), [(1.05, True), (0.85, False), (np.nan, False)])

@@ -172,18 +172,6 @@ def test_a_flight_that_fails_ends_with_1(
     assert err == "error: momentum: received 9; required less; slow down\n"
 
 
-def test_progress_appears_when_it_lasts(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "is_interactive", lambda: True)
-    monkeypatch.setattr(module, "_PATIENCE", -1.0)
-    monkeypatch.setattr(module, "_REFRESH", 0.0)
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    code, out, _ = run(capsys, "simulate", CASE_1, *SHORT)
-    assert code == 0
-    assert "flying" in out
-
-
 def test_warmup(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "warmup", CASE_1)
     assert (code, err) == (0, "")
