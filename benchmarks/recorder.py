@@ -34,6 +34,7 @@ SIZE = 200  # [bytes] serialized
 PUBLISHERS = 2  # processes
 TOPICS = 5  # a process
 _NUMBERED = struct.Struct("<Qd")  # count from 0, wall time of sending [s]
+_HEAD = struct.Struct("<4sIII")  # encapsulation, no dimensions, offset 0, length of the data
 _TICK = 1e-3  # [s] wall between two looks at the clock
 _PATIENCE = 60.0  # [s] wall
 
@@ -50,7 +51,7 @@ def main() -> int:
         return publish(**json.loads(options.publish))
     results = []
     if not options.json:
-        print(_HEAD)
+        print(_TITLE)
     for rate in options.rates:
         results.append(measure(rate, options.seconds))
         if not options.json:
@@ -60,7 +61,7 @@ def main() -> int:
     return int(any(result["lost"] for result in results))
 
 
-_HEAD = f"{'asked':>7} {'sent/s':>7} {'sent':>8} {'lost':>6} {'said':>6} {'CPU':>6} {'memory [MB]':>18} {'load':>5}"
+_TITLE = f"{'asked':>7} {'sent/s':>7} {'sent':>8} {'lost':>6} {'said':>6} {'CPU':>6} {'memory [MB]':>18} {'load':>5}"
 
 
 def _line(r: dict[str, Any]) -> str:
@@ -158,7 +159,7 @@ def _count(bag: Path) -> tuple[dict[str, int], int]:
     last: dict[str, int] = defaultdict(lambda: -1)
     with open_bag(bag) as opened:
         for topic, data in opened.messages(opened.topics):
-            number = _NUMBERED.unpack_from(data, 8)[0]
+            number = _NUMBERED.unpack_from(data, _HEAD.size)[0]
             if number <= last[topic]:
                 raise SystemExit(f"error: {topic}: number {number} after {last[topic]}")
             last[topic] = number
@@ -181,8 +182,8 @@ def publish(names: list[str], rate: float, seconds: float) -> int:
     while any(publisher.get_subscription_count() < 1 for publisher in publishers):
         time.sleep(0.05)
     # as CDR: encapsulation, no dimensions, offset 0, and the bytes
-    head = b"\0\1\0\0" + struct.pack("<III", 0, 0, SIZE - 16)
-    filler = os.urandom(SIZE - 16 - _NUMBERED.size)
+    head = _HEAD.pack(b"\0\1\0\0", 0, 0, SIZE - _HEAD.size)
+    filler = os.urandom(SIZE - _HEAD.size - _NUMBERED.size)
     counts = [0] * len(names)
     begun = time.perf_counter()
     sent, total = 0, round(rate * seconds)
