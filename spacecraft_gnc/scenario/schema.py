@@ -226,8 +226,7 @@ class RecorderParameters(NodeParameters):
     topics: tuple[str, ...] = parameter(
         Kind.STRING_ARRAY,
         [],
-        "topics to record, of the graph or any other; empty: all of the graph; \"*\" among others stands for "
-        "all of the graph",
+        "topics to record, of the graph or any other; empty: all of the graph, as is '*' among others",
         shape=(-1,),
         may_be_empty=True,
         unique=True,
