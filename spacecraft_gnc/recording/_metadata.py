@@ -6,13 +6,16 @@ Source: rosbag2 (Jazzy), ``rosbag2_storage/yaml.hpp``, bag version 9.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import yaml
 
 METADATA_NAME = "metadata.yaml"
+ROSBAG2_RECORD = "rosbag2"
+"""MCAP metadata record that holds the same."""
 _VERSION = 9
 _MAX_STAMP = 2**63 - 1
 
@@ -39,6 +42,8 @@ class BagSummary(NamedTuple):
     """Log time of the latest message [ns]."""
     topics: Sequence[TopicSummary]
     ros_distro: str
+    marks: Mapping[str, str] = MappingProxyType({})
+    """More that is to be known at a glance."""
 
     def information(self) -> dict[str, object]:
         """Return the mapping under ``rosbag2_bagfile_information``."""
@@ -64,7 +69,7 @@ class BagSummary(NamedTuple):
                     "message_count": count,
                 }
             ],
-            "custom_data": self._losses(),
+            "custom_data": self._losses() | dict(self.marks),
             "ros_distro": self.ros_distro,
         }
 

@@ -35,50 +35,71 @@ def rewrite(source: Path, target: Path) -> int:
     with source.open("rb") as stream, target.open("wb") as output:
         writer = Writer(output, compression=CompressionType.ZSTD)
         writer.start(profile="ros2", library="spacecraft_gnc, recovered")
-        copy = _Copy(writer)
-        for record in whole_records(stream):
+        copy = Copy(writer)
+        for record in WholeRecords(stream):
             copy.add(record)
         writer.finish()  # type: ignore[no-untyped-call]
     return copy.messages
 
 
-def whole_records(stream: IO[bytes]) -> Iterator[McapRecord]:
-    """Yield the records of the data section up to the first that is damaged or cut off."""
-    end = _whole_length(stream)
-    if stream.seek(len(MAGIC)) == end:
-        return
-    for record in StreamReader(stream, skip_magic=True, emit_chunks=True).records:
-        if isinstance(record, Chunk):
-            yield from _chunk_records(record)
-        else:
-            yield record
-        if stream.tell() >= end:
+class WholeRecords:
+    """The records of the data section up to the first that is cut off; damaged chunks are left out.
+
+    Iterate over it once; what is said of the damage holds afterwards.
+
+    Parameters
+    ----------
+    stream
+        An MCAP file, finished or cut off.
+    """
+
+    def __init__(self, stream: IO[bytes]) -> None:
+        self._stream = stream
+        self.size = stream.seek(0, 2)
+        """Of the file [bytes]."""
+        self._end, is_complete = _whole_length(stream, self.size)
+        self.cut = 0 if is_complete else self.size - self._end
+        """Bytes after the last whole record."""
+        self.damaged_chunks = 0
+
+    def __iter__(self) -> Iterator[McapRecord]:
+        """Yield the records; those of a chunk one by one."""
+        stream = self._stream
+        if stream.seek(len(MAGIC)) == self._end:
             return
+        for record in StreamReader(stream, skip_magic=True, emit_chunks=True).records:
+            if isinstance(record, Chunk):
+                yield from self._of_chunk(record)
+            else:
+                yield record
+            if stream.tell() >= self._end:
+                return
+
+    def _of_chunk(self, chunk: Chunk) -> list[McapRecord]:
+        try:
+            return breakup_chunk(chunk, validate_crc=True)
+        except Exception:  # noqa: BLE001  # a torn chunk makes the decompressor raise its own errors
+            self.damaged_chunks += 1
+            return []
 
 
-def _chunk_records(chunk: Chunk) -> list[McapRecord]:
-    try:
-        return breakup_chunk(chunk, validate_crc=True)
-    except Exception:  # noqa: BLE001  # a torn chunk makes the decompressor raise its own errors
-        return []
-
-
-def _whole_length(stream: IO[bytes]) -> int:
-    """Return the offset where the last whole record of the data section ends."""
-    size = stream.seek(0, 2)
+def _whole_length(stream: IO[bytes], size: int) -> tuple[int, bool]:
+    """Return the offset where the last whole record of the data section ends, and if all are."""
     position = len(MAGIC)
     while position + _RECORD_HEAD.size <= size:
         stream.seek(position)
         opcode, length = _RECORD_HEAD.unpack(stream.read(_RECORD_HEAD.size))
+        if opcode in _LAST_OPCODES:
+            return position, True
         following = position + _RECORD_HEAD.size + length
         # Blocks that a power cut left unwritten read as zeros: no record has opcode 0.
-        if opcode == 0 or opcode in _LAST_OPCODES or following > size:
+        if opcode == 0 or following > size:
             break
         position = following
-    return position
+    return position, False
 
 
-class _Copy:
+class Copy:
     """Feeds records into a writer, with the writer's own identifiers."""
 
     def __init__(self, writer: Writer) -> None:

@@ -19,6 +19,7 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import RecordFile, prepare_folder, refused_message, stopped
 from spacecraft_gnc.recording._metadata import (
+    ROSBAG2_RECORD,
     BagSummary,
     TopicSummary,
     dump,
@@ -33,6 +34,8 @@ FLUSH_PERIOD: Final = 0.5
 `BagWriter.flush` as often, a killed recorder loses less than a second."""
 LOSSES_RECORD: Final = "losses"
 """Metadata record: messages known to be lost, by topic."""
+GAPLESS: Final = "gapless"
+"""Key of a channel's metadata: whether a control step without a message is a loss."""
 _MESSAGE_OVERHEAD = 31  # bytes that an MCAP message record adds to its payload
 
 
@@ -133,7 +136,11 @@ class BagWriter:
                 topic,
                 "cdr",
                 self._schema_id(type_name, schema_text),
-                {"offered_qos_profiles": qos_yaml, "topic_type_hash": type_hash},
+                {
+                    "offered_qos_profiles": qos_yaml,
+                    "topic_type_hash": type_hash,
+                    GAPLESS: str(gapless).lower(),
+                },
             )
         stepped = [*fields(schema_text)][:2] == STEPPED_START
         self._topics[topic] = Topic(channel_id, type_name, qos_yaml, type_hash, stepped, gapless)
@@ -293,7 +300,7 @@ class BagWriter:
 
     def _add_rosbag2_record(self) -> None:
         text = dump(self._summary().information())
-        self._mcap.add_metadata("rosbag2", {"serialized_metadata": text})
+        self._mcap.add_metadata(ROSBAG2_RECORD, {"serialized_metadata": text})
 
     def _summary(self) -> BagSummary:
         topics = [
