@@ -12,7 +12,9 @@ from mcap.reader import McapReader, make_reader
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._metadata import METADATA_NAME
+from spacecraft_gnc.recording._scan import Progress, scan
 from spacecraft_gnc.recording.recover import MAGIC, rewrite
 
 MCAP_SUFFIX: Final = ".mcap"
@@ -30,12 +32,15 @@ class Bag:
         Type of each recorded topic, ``pkg/msg/Type`` by full topic name.
     unfinished
         Whether the bag was cut off.
+    definitions
+        Fields of the recorded types, as `_layout.decode` takes them.
     """
 
     def __init__(self, path: Path, reader: AnyReader, files: list[Path], unfinished: bool) -> None:
         self.path = path
         self.unfinished = unfinished
         self.topics = {connection.topic: connection.msgtype for connection in reader.connections}
+        self.definitions: Definitions = reader.typestore.fielddefs
         self._reader = reader
         self._files = files
 
@@ -53,6 +58,25 @@ class Bag:
         with damage(self.path):
             for connection, _, data in self._reader.messages(connections=chosen):
                 yield connection.topic, data
+
+    def recorded(
+        self, topics: Collection[str], progress: Progress | None = None
+    ) -> Iterator[tuple[str, bytes]]:
+        """Yield (topic, serialized message) in the order of recording, each chunk checked.
+
+        Raises
+        ------
+        RecordingError
+            If the file is damaged.
+        """
+        for file in self._files:
+            with _damage(self.path):
+                yield from scan(file, topics, progress)
+
+    def type_hash(self, topic: str) -> str:
+        """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""
+        with _damage(self.path):
+            return self._reader.typestore.hash_rihs01(self.topics[topic])
 
     def decode(self, topic: str, data: bytes) -> Any:
         """Return the message object; its type comes from the definitions in the bag.

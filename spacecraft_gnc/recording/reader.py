@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.bag import Bag, open_bag
+from spacecraft_gnc.recording.columns import Columns, read_columns
 from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, RunInfo, parse_scenario
 from spacecraft_gnc.recording.steps import (
     GOVERNOR_STATUS,
@@ -21,13 +22,14 @@ from spacecraft_gnc.recording.steps import (
     SOLVER_STATUS,
     STATE,
     TORQUE,
-    Steps,
-    read_steps,
 )
 from spacecraft_gnc.types import Array
 
 NPZ_SUFFIX: Final = ".npz"
 _NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
+_TOPICS: Final = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS)
+_PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
+_MOST_LOST: Final = 1000  # a damaged step number must not make arrays of any size
 _GRID_TOLERANCE: Final = 1e-6  # [s] stamps are whole nanoseconds, the grid is k times the period
 
 
@@ -38,17 +40,12 @@ class Flight(NamedTuple):
     info: RunInfo
 
 
-class _Rows(NamedTuple):
-    """Messages of the flight by step, and the number of whole control steps."""
+class _Torques(NamedTuple):
+    """Torque [N m] and source that acted in each control step."""
 
-    n: int
-    states: Mapping[int, Any]
-    references: Mapping[int, Any]
-    statuses: Mapping[int, Any]
-    torques: Mapping[int, tuple[Sequence[float], int]]
-    """Torque [N m] and source that acted in each step."""
-    decisions: Mapping[int, Any]
-    """The governor's."""
+    steps: NDArray[np.int64]
+    torque: Array
+    source: NDArray[np.int64]
 
 
 def load_run(path: Path | str, *, allow_unfinished: bool = False) -> Flight:
@@ -97,144 +94,150 @@ def read_flight(
         If there is no readable bag, or no flight of one spacecraft in it.
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
-        topics = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS)
-        steps = read_steps(bag, topics, namespace)
+        columns = read_columns(bag, _TOPICS, namespace, leave_out=_PLANS)
         text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
         scenario, problem = parse_scenario(text, bag.path)
-        rows = _rows(bag, steps)
+        torques = _acted(columns)
+        n = _whole_steps(bag, columns, torques)
         info = RunInfo(
             path=bag.path,
             scenario=scenario,
             scenario_text=text,
             scenario_problem=problem,
             unfinished=bag.unfinished,
-            missing=_missing(steps, rows),
-            overridden=_overridden(steps),
+            missing=_missing(columns, torques),
+            overridden=_overridden(columns),
             metadata=bag.metadata(),
         )
-    period = scenario.period if scenario is not None else _period(rows.states)
-    return Flight(_trajectory(rows, period), info)
+    period = scenario.period if scenario is not None else _period(columns[STATE])
+    return Flight(_trajectory(n, columns, torques, period), info)
 
 
-def _rows(bag: Bag, steps: Mapping[str, Steps]) -> _Rows:
-    """Find the whole control steps: those with a state before and after them."""
-    states = steps[STATE].messages
-    torques = {
-        step: (_xyz(message.torque), int(message.source))
-        for step, message in steps[TORQUE].messages.items()
-    }
-    for step, message in steps[INVARIANTS].messages.items():
-        if step > 0:  # it tells of the step that ended there
-            torques[step - 1] = (_xyz(message.applied_torque), int(message.applied_source))
-    count = min(max(torques, default=-1) + 1, max(states, default=-1))
+def _acted(columns: Mapping[str, Columns]) -> _Torques:
+    """Return what the plant applied; where it did not tell, what was commanded."""
+    commands, applied = columns[TORQUE], columns[INVARIANTS]
+    told = applied.steps > 0  # an entry tells of the step that ended there
+    steps = np.concatenate([applied.steps[told] - 1, commands.steps])
+    torque = [applied.fields["applied_torque"][told]] if told.any() else []
+    source = [applied.fields["applied_source"][told]] if told.any() else []
+    if commands.steps.size:
+        torque.append(commands.fields["torque"])
+        source.append(commands.fields["source"])
+    if not steps.size:
+        return _Torques(steps, np.empty((0, 3)), np.empty(0, dtype=np.int64))
+    acted, first = np.unique(steps, return_index=True)
+    return _Torques(acted, np.concatenate(torque)[first], np.concatenate(source)[first])
+
+
+def _whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: _Torques) -> int:
+    """Return the number of whole control steps: those with a state before and after them."""
+    states = columns[STATE].steps
+    count, last = 0, max(states.max(initial=0), torques.steps.max(initial=0))
+    if last > _MOST_LOST * (states.size + torques.steps.size):
+        raise RecordingError(
+            f"{bag.path}: received {states.size} states and a message at step {last}; required a "
+            f"state at least every {_MOST_LOST} steps; a step number is damaged, or most was lost"
+        )
+    if states.size and torques.steps.size:
+        count = int(min(torques.steps[-1] + 1, states[-1]))
     if count < 1 or count not in states:
         raise RecordingError(
-            f"{bag.path}: received {len(states)} states and {len(torques)} torques; required at "
-            "least one whole control step; record a longer run"
+            f"{bag.path}: received {states.size} states and {torques.steps.size} torques; required "
+            "at least one whole control step; record a longer run"
         )
-    references, statuses, decisions = (
-        steps[topic].messages for topic in (REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
-    )
-    return _Rows(count, states, references, statuses, torques, decisions)
+    return count
 
 
-def _missing(steps: Mapping[str, Steps], rows: _Rows) -> dict[str, tuple[int, ...]]:
+def _missing(columns: Mapping[str, Columns], torques: _Torques) -> dict[str, tuple[int, ...]]:
     """Return the steps without a message, by topic; a topic never recorded is not listed."""
-    flown = max(rows.torques) + 1
+    flown = int(torques.steps[-1]) + 1
     missing = {
-        STATE: steps[STATE].missing(flown),
-        TORQUE: tuple(step for step in range(flown) if step not in rows.torques),
-        REFERENCE: steps[REFERENCE].missing(flown - 1) if rows.references else (),
-        SOLVER_STATUS: steps[SOLVER_STATUS].missing(flown - 1) if rows.statuses else (),
+        STATE: columns[STATE].missing(0, flown),
+        TORQUE: tuple(np.setdiff1d(np.arange(flown), torques.steps).tolist()),
     }
+    for topic in (REFERENCE, SOLVER_STATUS):
+        if columns[topic].steps.size:
+            missing[topic] = columns[topic].missing(0, flown - 1)
     return {topic: absent for topic, absent in missing.items() if absent}
 
 
-def _overridden(steps: Mapping[str, Steps]) -> tuple[int, ...]:
-    applied = steps[INVARIANTS].messages
-    return tuple(
-        step
-        for step, message in sorted(steps[TORQUE].messages.items())
-        if step + 1 in applied and _xyz(applied[step + 1].applied_torque) != _xyz(message.torque)
-    )
+def _overridden(columns: Mapping[str, Columns]) -> tuple[int, ...]:
+    """Return the steps in which the plant applied another torque than commanded."""
+    commands, applied = columns[TORQUE], columns[INVARIANTS]
+    both, at, after = np.intersect1d(commands.steps, applied.steps - 1, return_indices=True)
+    if not both.size:
+        return ()
+    commanded, acted = commands.fields["torque"][at], applied.fields["applied_torque"][after]
+    return tuple(both[(commanded != acted).any(axis=1)].tolist())
 
 
-def _period(states: Mapping[int, Any]) -> float:
+def _period(states: Columns) -> float:
     """Return the control period [s] from the stamps of the first and the last state."""
-    first, last = min(states), max(states)
-    return round((_stamp(states[last]) - _stamp(states[first])) / (last - first), 9)
+    (first, last), (start, end) = states.steps[[0, -1]], states.stamps[[0, -1]]
+    return round(float(end - start) / int(last - first), 9)
 
 
-def _trajectory(rows: _Rows, period: float) -> Trajectory:
-    n, statuses = rows.n, rows.statuses
-    reference = _filled(n, (3, 3), rows.references, lambda m: _matrix(m.attitude))
-    if not rows.references:  # a run without a governor regulates to the identity
+def _trajectory(
+    n: int, columns: Mapping[str, Columns], torques: _Torques, period: float
+) -> Trajectory:
+    states, references, solves, decisions = (
+        columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
+    )
+    reference = _filled(n, references, "attitude", (9,)).reshape(n, 3, 3)
+    if not references.steps.size:  # a run without a governor regulates to the identity
         reference = np.tile(np.eye(3), (n, 1, 1))
     known = np.flatnonzero(np.isfinite(reference).all(axis=(1, 2)))
-    final = rows.states[n]
+    final = int(np.searchsorted(states.steps, n))
+    status = _integers(n, -1, solves.steps, solves.fields.get("status"))
     return Trajectory(
         period=period,
-        time=_times(rows, period),
-        attitude=_filled(n, (3, 3), rows.states, lambda m: _matrix(m.attitude)),
-        momentum=_filled(n, (3,), rows.states, lambda m: _xyz(m.angular_momentum)),
-        torque=_filled(n, (3,), rows.torques, lambda torque: torque[0]),
+        time=_times(n, states, period),
+        attitude=_filled(n, states, "attitude", (9,)).reshape(n, 3, 3),
+        momentum=_filled(n, states, "angular_momentum", (3,)),
+        torque=_placed(n, torques.steps, torques.torque),
         reference=reference,
-        iterations=_filled_integers(n, 0, statuses, lambda m: m.iterations),
-        residual=_filled(n, (), statuses, lambda m: m.residual),
-        cost=_filled(n, (), statuses, lambda m: m.cost),
-        solve_time=_filled(n, (), statuses, lambda m: m.wall_solve_time),
-        status=_filled_integers(
-            n, -1, statuses, lambda m: -1 if m.status == _NO_SOLVE else m.status
-        ),
-        source=_filled_integers(n, -1, rows.torques, lambda torque: torque[1]),
-        alpha=_filled(n, (), rows.decisions, lambda m: m.alpha),
-        governor_margin=_filled(n, (), rows.decisions, lambda m: m.margin),
-        final_attitude=_matrix(final.attitude),
-        final_momentum=np.array(_xyz(final.angular_momentum)),
+        iterations=_integers(n, 0, solves.steps, solves.fields.get("iterations")),
+        residual=_filled(n, solves, "residual"),
+        cost=_filled(n, solves, "cost"),
+        solve_time=_filled(n, solves, "wall_solve_time"),
+        status=np.where(status == _NO_SOLVE, -1, status),
+        source=_integers(n, -1, torques.steps, torques.source),
+        alpha=_filled(n, decisions, "alpha"),
+        governor_margin=_filled(n, decisions, "margin"),
+        final_attitude=states.fields["attitude"][final].reshape(3, 3),
+        final_momentum=states.fields["angular_momentum"][final],
         final_reference=reference[known[-1]] if known.size else np.full((3, 3), math.nan),
     )
 
 
-def _times(rows: _Rows, period: float) -> Array:
+def _times(n: int, states: Columns, period: float) -> Array:
     """Return (n,) times of the steps: the grid, unless the stamps tell otherwise."""
-    grid = np.asarray(period * np.arange(rows.n), dtype=np.float64)
-    stamps = _filled(rows.n, (), rows.states, _stamp)
+    grid = np.asarray(period * np.arange(n), dtype=np.float64)
+    stamps = _placed(n, states.steps, states.stamps)
     recorded = np.isfinite(stamps)
     if np.allclose(stamps[recorded], grid[recorded], rtol=0.0, atol=_GRID_TOLERANCE):
         return grid
     return np.asarray(np.where(recorded, stamps, grid))
 
 
-def _filled(
-    n: int, shape: tuple[int, ...], by_step: Mapping[int, Any], value: Callable[[Any], Any]
-) -> Array:
-    """Return (n, *shape) values by step; NaN where a step has none."""
-    array = np.full((n, *shape), math.nan)
-    for step, item in by_step.items():
-        if step < n:
-            array[step] = value(item)
+def _filled(n: int, columns: Columns, name: str, shape: tuple[int, ...] = ()) -> Array:
+    """Return (n, *shape) values of a field by step; NaN where a step has none."""
+    return _placed(n, columns.steps, columns.fields.get(name, np.empty((0, *shape))))
+
+
+def _placed(n: int, steps: NDArray[np.int64], values: Array) -> Array:
+    array = np.full((n, *values.shape[1:]), math.nan)
+    within = steps < n
+    array[steps[within]] = values[within]
     return array
 
 
-def _filled_integers(
-    n: int, absent: int, by_step: Mapping[int, Any], value: Callable[[Any], int]
+def _integers(
+    n: int, absent: int, steps: NDArray[np.int64], values: NDArray[np.int64] | None
 ) -> NDArray[np.int64]:
     """Return (n,) integers by step; ``absent`` where a step has none."""
     array = np.full(n, absent, dtype=np.int64)
-    for step, item in by_step.items():
-        if step < n:
-            array[step] = value(item)
+    if values is not None:
+        within = steps < n
+        array[steps[within]] = values[within]
     return array
-
-
-def _xyz(vector: Any) -> tuple[float, float, float]:
-    return vector.x, vector.y, vector.z
-
-
-def _matrix(nine: Any) -> Array:
-    return np.asarray(nine, dtype=np.float64).reshape(3, 3)
-
-
-def _stamp(message: Any) -> float:
-    stamp = message.header.stamp
-    return float(stamp.sec + 1e-9 * stamp.nanosec)

@@ -1,14 +1,9 @@
-"""Messages of a flight, sorted by the control step that they carry.
-
-Arrival order and time stamps say nothing certain about which messages belong together (they differ
-between runs, and players reorder equal stamps); the step that every message carries does.
-"""
+"""The topics of a flight whose messages carry a control step: names, types, versions."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
@@ -31,59 +26,52 @@ TYPES: Final[Mapping[str, str]] = {
     WALL_TIMING: f"{PACKAGE}/msg/WallTiming",
 }
 """Type of each topic of a flight, by the last part of its name."""
-_UNIQUE: Final = (STATE, INVARIANTS)
+UNIQUE: Final = (STATE, INVARIANTS)
+"""Topics of the plant: two messages of one step differ only if two runs are in the bag."""
+TYPE_HASHES: Final[Mapping[str, str]] = {
+    f"{PACKAGE}/msg/{leaf}": f"RIHS01_{digest}"
+    for leaf, digest in {
+        "AttitudeState": "1e8805516c0c5a75a2ad9192a0d5f9d4db16bb73fd628ea1199be42b0d2721c1",
+        "AttitudeReference": "923a4386de8a598381bc7e354b33db117b80a6d93d36f5c8cf281dcc14b54e2e",
+        "TorqueCommand": "ff7c97d0f625f35b8975f46232f4b8e3765a528f2bd01b3dd88c8d0108fad1f6",
+        "SolverStatus": "3cb9ca36d5ae3972d64e9ad1321f518b5aa8aea56046fb8b6037240357202134",
+        "GovernorStatus": "a43992019b55bed2c1ce5d626f45f5c144865f829790ad3074b96eb37c08e4fb",
+        "PlantInvariants": "143610bd223843d478298752859448a143e1ee9759e70cf186e6136ba22f2f7a",
+        "WallTiming": "be8d8e587166b32c1c61dedefdac670d3d83f5994d41dfd412be757fa0abbc90",
+    }.items()
+}
+"""REP-2011 hash of each of these types in this version of the messages."""
 
 
-@dataclass(slots=True)
-class Steps:
-    """Decoded messages of one topic by step; of a step that came twice the first is kept."""
-
-    messages: dict[int, Any] = field(default_factory=dict)
-    repeats: int = 0
-
-    def missing(self, last: int) -> tuple[int, ...]:
-        """Return the steps of 0..``last`` without a message."""
-        return tuple(step for step in range(last + 1) if step not in self.messages)
-
-
-def read_steps(bag: Bag, names: Iterable[str], namespace: str | None = None) -> dict[str, Steps]:
-    """Read topics of a flight, by the last part of their names.
-
-    Parameters
-    ----------
-    bag
-        An open bag.
-    names
-        Of `TYPES`; a topic that was not recorded comes back without messages.
-    namespace
-        Of the spacecraft, where the bag holds several.
+def flight_topics(bag: Bag, names: Iterable[str], namespace: str | None = None) -> dict[str, str]:
+    """Return the name of each topic of one flight by its full name; one not recorded is left out.
 
     Raises
     ------
     RecordingError
-        If the bag is of another package, holds several spacecraft or several runs, or a topic has
-        another type or version of its type.
+        If the bag is of another package, holds several spacecraft, or a topic has another type or
+        another version of its type.
     """
     prefix = _namespace(bag, namespace)
-    found = {f"{prefix}/{name}": Steps() for name in names if f"{prefix}/{name}" in bag.topics}
-    _check_types(bag, found, prefix)
-    payloads: dict[tuple[str, int], bytes] = {}
-    for topic, data in bag.messages(found):
-        message = bag.decode(topic, data)
-        step = int(_attribute(bag, topic, message, "step"))
-        name, steps = topic.rpartition("/")[2], found[topic]
-        if step not in steps.messages:
-            steps.messages[step] = message
-            if name in _UNIQUE:
-                payloads[topic, step] = data
-            continue
-        steps.repeats += 1
-        if name in _UNIQUE and payloads[topic, step] != data:
-            raise RecordingError(
-                f"{bag.path}: {topic} holds two different messages of step {step}; required one "
-                "run of one spacecraft; record each run into a bag of its own"
-            )
-    return {name: found.get(f"{prefix}/{name}", Steps()) for name in names}
+    topics = {f"{prefix}/{name}": name for name in names if f"{prefix}/{name}" in bag.topics}
+    for topic, name in topics.items():
+        _check_type(bag, topic, TYPES[name])
+    return topics
+
+
+def _check_type(bag: Bag, topic: str, required: str) -> None:
+    if bag.topics[topic] != required:
+        raise RecordingError(
+            f"{bag.path}: {topic} has type {bag.topics[topic]}; required {required}; the bag "
+            "was recorded from another package"
+        )
+    received = bag.type_hash(topic)
+    if received != TYPE_HASHES[required]:
+        raise RecordingError(
+            f"{bag.path}: {topic}: received {required} with type hash {received}; required "
+            f"{TYPE_HASHES[required]}, this version's; read it with the version that flew, or "
+            "record again"
+        )
 
 
 def _namespace(bag: Bag, namespace: str | None) -> str:
@@ -106,23 +94,3 @@ def _namespace(bag: Bag, namespace: str | None) -> str:
             "its namespace"
         )
     return prefixes[0]
-
-
-def _check_types(bag: Bag, topics: Iterable[str], prefix: str) -> None:
-    for topic in topics:
-        required = TYPES[topic.removeprefix(f"{prefix}/")]
-        if bag.topics[topic] != required:
-            raise RecordingError(
-                f"{bag.path}: {topic} has type {bag.topics[topic]}; required {required}; the bag "
-                "was recorded from another package"
-            )
-
-
-def _attribute(bag: Bag, topic: str, message: Any, name: str) -> Any:
-    try:
-        return getattr(message, name)
-    except AttributeError as error:
-        raise RecordingError(
-            f"{bag.path}: {bag.topics[topic]} on {topic} has no field {name}; required this "
-            "package's version of the message; record again, or read with the version that flew"
-        ) from error

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from spacecraft_gnc.recording.bag import open_bag
-from spacecraft_gnc.recording.steps import WALL_TIMING, read_steps
+from spacecraft_gnc.recording.columns import read_columns
+from spacecraft_gnc.recording.steps import WALL_TIMING
 from spacecraft_gnc.types import Array
 
 
@@ -32,6 +33,6 @@ def read_latencies(path: Path | str, *, namespace: str | None = None) -> Array:
         If there is no readable bag.
     """
     with open_bag(path) as bag:
-        messages = read_steps(bag, [WALL_TIMING], namespace)[WALL_TIMING].messages
-    latencies = np.array([messages[step].wall_latency for step in sorted(messages)])
+        timing = read_columns(bag, [WALL_TIMING], namespace)[WALL_TIMING]
+    latencies = timing.fields.get("wall_latency", np.empty(0))
     return np.asarray(latencies[np.isfinite(latencies)], dtype=np.float64)

@@ -1,0 +1,242 @@
+"""Topics of a flight as arrays by control step, decoded straight from the serialized messages.
+
+Arrival order and time stamps say nothing certain about which messages belong together (they differ
+between runs, and players reorder equal stamps); the step that every message carries does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording._finite import require_finite
+from spacecraft_gnc.recording._layout import Group, decode
+from spacecraft_gnc.recording._scan import Progress
+from spacecraft_gnc.recording.bag import Bag
+from spacecraft_gnc.recording.steps import UNIQUE, flight_topics
+from spacecraft_gnc.types import Array
+
+_BLOCK: Final = 4096  # messages of one topic that are decoded together
+_MOST_STEPS: Final = 2**53  # where a float stops to hold each integer
+_STEP: Final = "step"
+_STAMP: Final = ("header.stamp.sec", "header.stamp.nanosec")
+_HEADER: Final = "header."
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """Messages of one topic as arrays, by control step.
+
+    Attributes
+    ----------
+    steps : (m,) array of int
+        Ascending and unique; of a step that came twice the first message is kept.
+    stamps : (m,) array
+        Header stamps [s].
+    fields
+        (m, ...) arrays by dotted field name, without the header: numbers; vectors as (m, 3) in
+        order x, y, z; quaternions as (m, 4) in order x, y, z, w; strings as objects; sequences as
+        (m, longest), padded with NaN.
+    repeats : int
+        Messages of a step that had come before.
+    """
+
+    steps: NDArray[np.int64]
+    stamps: Array
+    fields: Mapping[str, NDArray[Any]]
+    repeats: int = 0
+
+    def missing(self, first: int, last: int) -> tuple[int, ...]:
+        """Return the steps of ``first``..``last`` without a message."""
+        return tuple(np.setdiff1d(np.arange(first, last + 1), self.steps).tolist())
+
+
+NO_COLUMNS: Final = Columns(np.empty(0, dtype=np.int64), np.empty(0), {})
+"""Of a topic that was not recorded."""
+
+
+def read_columns(
+    bag: Bag,
+    names: Iterable[str],
+    namespace: str | None = None,
+    progress: Progress | None = None,
+    leave_out: Collection[str] = (),
+) -> dict[str, Columns]:
+    """Read topics of a flight, by the last part of their names.
+
+    Parameters
+    ----------
+    bag
+        An open bag.
+    names
+        Of `steps.TYPES`; a topic that was not recorded comes back without messages.
+    namespace
+        Of the spacecraft, where the bag holds several.
+    progress
+        Called with the bytes read so far and in all.
+    leave_out
+        Fields that are not kept, for instance the plans of a long flight.
+
+    Raises
+    ------
+    RecordingError
+        If the bag is of another package or version, damaged, holds several spacecraft or several
+        runs, or a number that must be finite is not.
+    """
+    names = list(names)
+    blocks: dict[str, list[Columns]] = {name: [] for name in names}
+    for name, block in iter_columns(bag, names, namespace, progress):
+        kept = {key: value for key, value in block.fields.items() if key not in leave_out}
+        blocks[name].append(Columns(block.steps, block.stamps, kept, block.repeats))
+    return {name: _joined(parts) for name, parts in blocks.items()}
+
+
+def iter_columns(
+    bag: Bag,
+    names: Iterable[str],
+    namespace: str | None = None,
+    progress: Progress | None = None,
+) -> Iterator[tuple[str, Columns]]:
+    """Yield (name, columns) of some thousand messages at a time, in the order of recording.
+
+    The memory does not grow with the flight. A step is unique in its block, not between blocks.
+    Arguments and errors as in `read_columns`.
+    """
+    topics = flight_topics(bag, names, namespace)
+    pending: dict[str, list[bytes]] = {topic: [] for topic in topics}
+    orders = {topic: _Order() for topic, name in topics.items() if name in UNIQUE}
+    for topic, data in bag.recorded(topics, progress):
+        pending[topic].append(data)
+        if len(pending[topic]) == _BLOCK:
+            yield topics[topic], _block(bag, topic, pending[topic], orders.get(topic))
+            pending[topic] = []
+    for topic, messages in pending.items():
+        if messages:
+            yield topics[topic], _block(bag, topic, messages, orders.get(topic))
+
+
+@dataclass(slots=True)
+class _Order:
+    """What came so far of a topic whose messages exist once: another run shows as a difference."""
+
+    digests: dict[int, int] = field(default_factory=dict)
+    latest: int = -1
+
+    def check(self, bag: Bag, topic: str, steps: list[int], messages: list[bytes]) -> None:
+        """Refuse a step that came before with other content, or long before."""
+        for step, data in zip(steps, messages, strict=True):
+            digest = hash(data)
+            known = self.digests.get(step)
+            if known is None:
+                self.digests[step] = digest
+                self.latest = max(self.latest, step)
+                continue
+            found = f"two different messages of step {step}"
+            if known == digest:  # sent again, at once, because no answer had come
+                found = f"step {step} again after step {self.latest}"
+            if known != digest or step < self.latest - 1:
+                raise RecordingError(
+                    f"{bag.path}: {topic} holds {found}; required one run of one spacecraft; "
+                    "record each run into a bag of its own"
+                )
+
+
+class _Decoded(NamedTuple):
+    """Messages of one layout without their headers."""
+
+    rows: NDArray[np.int64]
+    steps: NDArray[np.int64]
+    stamps: Array
+    fields: dict[str, NDArray[Any]]
+
+
+def _block(bag: Bag, topic: str, messages: list[bytes], order: _Order | None) -> Columns:
+    """Decode messages, and keep the first of each step."""
+    try:
+        groups = [_decoded(group) for group in decode(bag.definitions, bag.topics[topic], messages)]
+    except RecordingError as error:
+        raise RecordingError(
+            f"{bag.path}: {topic}: {error}, as its definition in the bag says; record again"
+        ) from error
+    for group in groups:
+        _require_reachable(f"{bag.path}: {topic}", group.steps)
+        require_finite(f"{bag.path}: {topic}", group.steps, group.fields)
+    unsorted = _gathered(groups)
+    if order is not None:
+        order.check(bag, topic, unsorted.steps.tolist(), messages)
+    return _by_step(unsorted)
+
+
+def _require_reachable(where: str, steps: NDArray[np.int64]) -> None:
+    """Refuse a step that no flight counts to: an unsigned number, read as a signed one, wraps."""
+    beyond = np.flatnonzero((steps < 0) | (steps >= _MOST_STEPS))
+    if beyond.size:
+        raise RecordingError(
+            f"{where}: received step {int(steps[beyond[0]]) % 2**64}; required a step below "
+            f"2^53, as counted from 0; the message was recorded so: record again"
+        )
+
+
+def _decoded(group: Group) -> _Decoded:
+    fields = {name: _plain(values) for name, values in group.fields.items()}
+    seconds, nanoseconds = (fields[name] for name in _STAMP)
+    steps = fields.pop(_STEP)
+    kept = {name: values for name, values in fields.items() if not name.startswith(_HEADER)}
+    return _Decoded(group.rows, steps, seconds + 1e-9 * nanoseconds, kept)
+
+
+def _plain(values: NDArray[Any]) -> NDArray[Any]:
+    """Return numbers of this machine's byte order, and strings as objects."""
+    if values.dtype.kind == "S":
+        texts, places = np.unique(values, return_inverse=True)
+        decoded = [text.rstrip(b"\0").decode(errors="replace") for text in texts.tolist()]
+        return np.array(decoded, dtype=object)[places]
+    wide = {"u": np.int64, "i": np.int64, "f": np.float64}.get(values.dtype.kind, values.dtype)
+    return values.astype(wide)
+
+
+def _gathered(parts: list[_Decoded]) -> Columns:
+    """Put the groups of a block back into the order in which the messages came."""
+    rows = np.concatenate([part.rows for part in parts])
+    back = np.argsort(rows)
+    fields = {
+        name: _stacked([part.fields[name] for part in parts])[back] for name in parts[0].fields
+    }
+    steps = np.concatenate([part.steps for part in parts])[back]
+    return Columns(steps, np.concatenate([part.stamps for part in parts])[back], fields)
+
+
+def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:
+    """Return the rows of all arrays; where their lengths differ, padded with NaN."""
+    if len({array.shape[1:] for array in arrays}) == 1:
+        return np.concatenate(arrays)
+    longest = max(array.shape[1] for array in arrays)
+    padded = [
+        np.pad(array.astype(float), ((0, 0), (0, longest - array.shape[1])), constant_values=np.nan)
+        for array in arrays
+    ]
+    return np.concatenate(padded)
+
+
+def _joined(parts: list[Columns]) -> Columns:
+    if not parts:
+        return NO_COLUMNS
+    fields = {name: _stacked([part.fields[name] for part in parts]) for name in parts[0].fields}
+    steps = np.concatenate([part.steps for part in parts])
+    stamps = np.concatenate([part.stamps for part in parts])
+    return _by_step(Columns(steps, stamps, fields, sum(part.repeats for part in parts)))
+
+
+def _by_step(columns: Columns) -> Columns:
+    """Sort by step, and keep the first message of each."""
+    steps, first = np.unique(columns.steps, return_index=True)
+    if np.array_equal(first, np.arange(columns.steps.size)):
+        return columns
+    fields = {name: values[first] for name, values in columns.fields.items()}
+    repeats = columns.repeats + columns.steps.size - steps.size
+    return Columns(steps, columns.stamps[first], fields, repeats)
