@@ -55,7 +55,7 @@ class Bag:
         chosen = [item for item in self._reader.connections if item.topic in topics]
         if not chosen:  # an empty filter would mean every topic
             return
-        with damage(self.path):
+        with _damage(self.path):
             for connection, _, data in self._reader.messages(connections=chosen):
                 yield connection.topic, data
 
@@ -86,19 +86,19 @@ class Bag:
         RecordingError
             If the message does not follow its definition.
         """
-        with damage(self.path):
+        with _damage(self.path):
             return self._reader.deserialize(data, self.topics[topic])
 
     def attachments(self) -> dict[str, bytes]:
         """Return the attached files by name."""
-        with damage(self.path), self._readers() as readers:
+        with _damage(self.path), self._readers() as readers:
             return {
                 item.name: item.data for reader in readers for item in reader.iter_attachments()
             }
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return the metadata records by name; a later record replaces an earlier one."""
-        with damage(self.path), self._readers() as readers:
+        with _damage(self.path), self._readers() as readers:
             return {
                 item.name: item.metadata for reader in readers for item in reader.iter_metadata()
             }
@@ -128,8 +128,8 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     """
     path = Path(path)
     with ExitStack() as stack:
-        files = storage_files(path)
-        unfinished = is_unfinished(path, files)
+        files = _storage_files(path)
+        unfinished = _is_unfinished(path, files)
         source = path
         if unfinished:
             if not allow_unfinished:
@@ -141,12 +141,12 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
             source = folder / f"recovered{MCAP_SUFFIX}"
             _recover(path, files[-1], source)
             files = [source]
-        with damage(path):
+        with _damage(path):
             reader = stack.enter_context(AnyReader([source]))
         yield Bag(path, reader, files, unfinished)
 
 
-def storage_files(path: Path) -> list[Path]:
+def _storage_files(path: Path) -> list[Path]:
     """Return the .mcap files of a bag, in order."""
     if path.is_dir():
         files = sorted(path.glob(f"*{MCAP_SUFFIX}"))
@@ -162,7 +162,7 @@ def storage_files(path: Path) -> list[Path]:
     return [path]
 
 
-def is_unfinished(path: Path, files: list[Path]) -> bool:
+def _is_unfinished(path: Path, files: list[Path]) -> bool:
     for file in files:
         head, tail = _ends(file)
         if not head:
@@ -191,7 +191,7 @@ def _ends(file: Path) -> tuple[bytes, bytes]:
 
 
 def _recover(path: Path, file: Path, target: Path) -> None:
-    with damage(path):
+    with _damage(path):
         messages = rewrite(file, target)
     if not messages:
         raise RecordingError(
@@ -201,7 +201,7 @@ def _recover(path: Path, file: Path, target: Path) -> None:
 
 
 @contextmanager
-def damage(path: Path) -> Iterator[None]:
+def _damage(path: Path) -> Iterator[None]:
     """Turn whatever a parser raises on damaged or foreign data into a RecordingError."""
     try:
         yield

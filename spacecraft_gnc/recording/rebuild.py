@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
@@ -25,7 +25,7 @@ from spacecraft_gnc.recording._metadata import (
     write_metadata,
 )
 from spacecraft_gnc.recording._topic import STEPPED_START, Topic
-from spacecraft_gnc.recording.bag import MCAP_SUFFIX, damage, is_unfinished, storage_files
+from spacecraft_gnc.recording.bag import MCAP_SUFFIX, _damage, _is_unfinished, _storage_files
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
 from spacecraft_gnc.recording.writer import GAPLESS, LOSSES_RECORD
@@ -105,22 +105,21 @@ def rebuild(
         written. Nothing is left behind then.
     """
     source = Path(source)
-    files = storage_files(source)
-    if not is_unfinished(source, files):
+    files = _storage_files(source)
+    if not _is_unfinished(source, files):
         raise RecordingError(
             f"{source}: received a bag that is whole; required one that was cut off; use it as it is"
         )
     target = default_folder(source) if folder is None else Path(folder)
     made = prepare_folder(target)
     try:
-        with damage(source):
-            rebuilt = _Rebuild(source, target).run(files, progress)
-    except BaseException as error:
+        return _Rebuild(source, target).run(files, progress)
+    except OSError as error:
         _remove(target, made)
-        if isinstance(error, OSError):
-            raise stopped(target, 0, error) from error
+        raise stopped(target, 0, error) from error
+    except BaseException:
+        _remove(target, made)
         raise
-    return rebuilt
 
 
 def _remove(folder: Path, made: bool) -> None:
@@ -149,8 +148,9 @@ class _Rebuild:
         with self._path.open("xb") as output:
             writer = Writer(output, compression=CompressionType.ZSTD)
             writer.start(profile="ros2", library=f"spacecraft_gnc {__version__}, recovered")
+            copy = Copy(writer)
             for file in files:
-                self._copy(file, writer, progress)
+                self._copy(file, copy, progress)
             self._tell()
             if not self._result.messages:
                 raise RecordingError(
@@ -167,17 +167,22 @@ class _Rebuild:
         write_metadata(self._result.folder, summary)
         return self._result
 
-    def _copy(self, file: Path, writer: Writer, progress: Callable[[int, int], None]) -> None:
+    def _copy(self, file: Path, copy: Copy, progress: Callable[[int, int], None]) -> None:
+        copy.begin_file()
         with file.open("rb") as stream:
             records = WholeRecords(stream)
-            copy = Copy(writer)  # numbers of channels hold within a file
-            for count, record in enumerate(records):
+            for count, record in enumerate(self._intact(records)):
                 if self._take(record):
                     copy.add(record)
                 if count % _REPORT_EVERY == 0:
                     progress(stream.tell(), records.size)
         self._result.cut_bytes += records.cut
         self._result.damaged_chunks += records.damaged_chunks
+
+    def _intact(self, records: WholeRecords) -> Iterator[McapRecord]:
+        """Yield records; what a parser raises becomes a RecordingError, what a disk raises not."""
+        with _damage(self._source):
+            yield from records
 
     def _take(self, record: McapRecord) -> bool:
         """Note what a record tells; return whether it goes into the new bag as it is."""
@@ -189,8 +194,8 @@ class _Rebuild:
             case Message():
                 self._count(self._channels[record.channel_id], record)
             case Metadata() if record.name == LOSSES_RECORD:
-                for name, lost in record.metadata.items():
-                    self._topics[name].reported = int(lost)
+                for name in record.metadata.keys() & self._topics.keys():
+                    self._topics[name].reported = int(record.metadata[name])
                 return False
             case Metadata() if record.name == ROSBAG2_RECORD:
                 told = yaml.safe_load(record.metadata.get("serialized_metadata", "")) or {}
@@ -209,7 +214,7 @@ class _Rebuild:
                 channel.metadata.get("offered_qos_profiles", ""),
                 channel.metadata.get("topic_type_hash", ""),
                 stepped=[*fields(text)][:2] == STEPPED_START,
-                gapless=channel.metadata.get(GAPLESS) == "true",
+                gapless=channel.metadata.get(GAPLESS, "true") == "true",
             ),
         )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from struct import Struct
@@ -104,24 +105,22 @@ class Copy:
 
     def __init__(self, writer: Writer) -> None:
         self._writer = writer
+        self._known: dict[tuple[str, int], int] = {}
+        self.messages = 0
+        self.begin_file()
+
+    def begin_file(self) -> None:
+        """Forget the identifiers of the last file: they hold within one."""
         self._schema_ids: dict[int, int] = {0: 0}
         self._channel_ids: dict[int, int] = {}
-        self.messages = 0
 
     def add(self, record: McapRecord) -> None:
         """Copy one record; indexes are left to the writer."""
         match record:
             case Schema() if record.id not in self._schema_ids:
-                self._schema_ids[record.id] = self._writer.register_schema(
-                    record.name, record.encoding, record.data
-                )
+                self._schema_ids[record.id] = self._schema(record)
             case Channel() if record.id not in self._channel_ids:
-                self._channel_ids[record.id] = self._writer.register_channel(
-                    record.topic,
-                    record.message_encoding,
-                    self._schema_ids[record.schema_id],
-                    record.metadata,
-                )
+                self._channel_ids[record.id] = self._channel(record)
             case Message():
                 self._writer.add_message(
                     self._channel_ids[record.channel_id],
@@ -137,3 +136,20 @@ class Copy:
                 )
             case Metadata():
                 self._writer.add_metadata(record.name, record.metadata)
+
+    def _schema(self, schema: Schema) -> int:
+        key = schema.name, zlib.crc32(schema.data)
+        if key not in self._known:
+            self._known[key] = self._writer.register_schema(
+                schema.name, schema.encoding, schema.data
+            )
+        return self._known[key]
+
+    def _channel(self, channel: Channel) -> int:
+        schema_id = self._schema_ids[channel.schema_id]
+        key = channel.topic, schema_id
+        if key not in self._known:
+            self._known[key] = self._writer.register_channel(
+                channel.topic, channel.message_encoding, schema_id, channel.metadata
+            )
+        return self._known[key]
