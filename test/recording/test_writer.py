@@ -133,7 +133,7 @@ def test_messages_without_a_step_are_not_searched_for_one(tmp_path):
     with BagWriter(tmp_path / "bag") as bag:
         bag.add_topic("/ready", STRING, CODEC.texts[STRING])
         bag.write("/ready", 0, 0, b"\0\1\0\0" + bytes(60))
-        assert bag.counts["/ready"] == (1, 0, 0)
+        assert bag.counts["/ready"] == (1, 0, 0, 0)
 
 
 @given(step=st.integers(0, 2**64 - 1), frame=st.text(max_size=20))
