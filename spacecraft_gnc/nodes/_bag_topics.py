@@ -34,7 +34,7 @@ _WHEEL = "ros-jazzy-rclpy"  # as PyPI has it; ROS 2 itself calls it rclpy
 
 
 def announce(
-    bag: BagWriter, name: str, topic: Topic, offered: Iterable[QoSProfile], *, gapless: bool
+    bag: BagWriter, name: str, message_type: Any, offered: Iterable[QoSProfile], *, gapless: bool
 ) -> None:
     """Add a topic to a bag, with its definition as installed on this machine.
 
@@ -44,8 +44,8 @@ def announce(
         Where to.
     name
         Full name.
-    topic
-        What is published.
+    message_type
+        Python class of its messages.
     offered
         Profiles of its publishers.
     gapless
@@ -56,7 +56,7 @@ def announce(
     RecordingError
         If the definition is not installed.
     """
-    type_name = f"{topic.type.__module__.split('.')[0]}/msg/{topic.type.__name__}"
+    type_name = f"{message_type.__module__.split('.')[0]}/msg/{message_type.__name__}"
     interfaces = InstalledInterfaces(_prefixes())
     bag.add_topic(
         name,

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from rclpy.exceptions import InvalidTopicNameException
+from rclpy.validate_topic_name import validate_topic_name
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.nodes._node import GncNode
@@ -64,17 +65,18 @@ class ForeignTopics:
                 f"{name}: received messages of several types ({', '.join(types)}); required one; "
                 "end a publisher, or remove the topic from recorder.topics"
             )
+        message_type = _installed(name, types[0])
         qos = matching(publishers, RECORD.depth)
-        topic = Topic(name, _installed(name, types[0]), (), (), qos)
-        self._on_found(topic, publishers)
+        self._on_found(Topic(name, message_type, (), (), qos), publishers)
         return True
 
 
 def _full_name(node: GncNode, name: str) -> str:
     try:
+        validate_topic_name(name)
         return str(node.resolve_topic_name(name))
-    except (InvalidTopicNameException, ValueError) as error:
-        reason = " ".join(str(error).split())
+    except InvalidTopicNameException as error:
+        reason = str(error).splitlines()[0].rstrip(":")
         raise RecordingError(
             f"recorder.topics: received {name!r} ({reason}); required names of topics; correct it"
         ) from error

@@ -53,7 +53,7 @@ class ParameterDump:
         return tuple(name for name, inquiry in self._others.items() if inquiry.values is None)
 
     def text(self) -> str:
-        """Return a ROS 2 parameter file of the nodes that have answered."""
+        """Return a ROS 2 parameter file of the nodes that have answered, and of the launcher."""
         own = self._node.get_parameters_by_prefix("")
         sections = {self._node.ROLE: {name: item.value for name, item in own.items()}}
         for name, inquiry in self._others.items():
@@ -64,6 +64,7 @@ class ParameterDump:
             f"{prefix}/{name}" if prefix else name: unflatten(_without_none(values))
             for name, values in sections.items()
         }
+        named["launcher"] = unflatten(self._node.scenario.values["launcher"])  # no node to ask
         silent = "".join(f"# {name}: did not answer\n" for name in self.missing())
         return silent + sections_to_yaml(named)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.qos import QoSProfile
 from std_msgs.msg import UInt64
 
 from spacecraft_gnc.errors import RecordingError
@@ -86,8 +87,12 @@ class RecorderNode(GncNode):
         wanted = self.scenario.recorder.topics
         for topic in TOPICS:
             if topic.is_recorded(wanted):
-                gapless = self._is_gapless(topic)
-                self._take(topic, [topic.qos], self._writer_of_graph, gapless=gapless)
+                qos = topic.qos if topic.is_latched else RECORD
+                name = self.resolve_topic_name(topic.name)
+                announce(
+                    self._bag, name, topic.type, [topic.qos], gapless=self._is_gapless(topic)
+                )
+                self._take(topic, name, qos, self._writer_of_graph(topic, name))
         self._foreign = ForeignTopics(self, foreign(wanted), self._on_foreign)
         self._publish_recorded = self.advertise(RECORDED).publish
         self.every(FLUSH_PERIOD, self._flush)
@@ -144,18 +149,10 @@ class RecorderNode(GncNode):
 
     # The hot path: once for every message.
 
-    def _take(
-        self,
-        topic: Topic,
-        offered: list[Any],
-        writer: Callable[[Topic, str], Record],
-        *,
-        gapless: bool,
-    ) -> None:
-        name = self.resolve_topic_name(topic.name)
-        announce(self._bag, name, topic, offered, gapless=gapless)
+    def _take(self, topic: Topic, name: str, qos: QoSProfile, write: Record) -> None:
+        """Subscribe to a topic; count what is lost on the way."""
         self._watches[name] = watch = SequenceWatch()
-        write, see = writer(topic, name), watch.see
+        see = watch.see
 
         def record(data: bytes, info: Mapping[str, Any]) -> None:
             if see(info):
@@ -167,7 +164,7 @@ class RecorderNode(GncNode):
             except struct.error:
                 self.refuse(topic, f"{len(data)} bytes without a time stamp")
 
-        self.listen(topic, record, topic.qos if topic.is_latched else RECORD, watch)
+        self.listen(topic, record, qos, watch)
 
     def _writer_of_graph(self, topic: Topic, name: str) -> Record:
         """Return what writes a topic of the graph, whose times are simulated."""
@@ -195,10 +192,11 @@ class RecorderNode(GncNode):
 
     def _on_foreign(self, topic: Topic, publishers: list[Any]) -> None:
         offered = [info.qos_profile for info in publishers]
-        self._take(topic, offered, self._writer_of_foreign, gapless=False)
+        announce(self._bag, topic.name, topic.type, offered, gapless=False)
+        self._take(topic, topic.name, topic.qos, self._writer_of_foreign(topic.name))
         self.get_logger().info(f"records {topic.name} too")
 
-    def _writer_of_foreign(self, _: Topic, name: str) -> Record:
+    def _writer_of_foreign(self, name: str) -> Record:
         """Return what writes another topic: at the time of reception, on the time line of the bag.
 
         That is simulated time wherever there is any, for a bag has one time line.
