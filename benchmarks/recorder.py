@@ -3,7 +3,8 @@
 `.venv/bin/python benchmarks/recorder.py [RATE ...] [--seconds S] [--json]` starts the real recorder
 node as a process, PUBLISHERS processes that send numbered messages of SIZE bytes on TOPICS topics
 each, over DDS, at each RATE [messages/s, all together], and reads the bag back: what was sent and
-is not in it is lost. The recorder's memory and processor time are sampled meanwhile.
+is not in it is lost. "said" is what the bag itself tells of losses. The recorder's memory and
+processor time (100 % is one core) are sampled meanwhile; "load" is that of the whole machine.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ PUBLISHERS = 2  # processes
 TOPICS = 5  # a process
 _NUMBERED = struct.Struct("<Qd")  # count from 0, wall time of sending [s]
 _HEAD = struct.Struct("<4sIII")  # encapsulation, no dimensions, offset 0, length of the data
+_SAMPLE = 0.1  # [s] wall between two looks at the memory
 _TICK = 1e-3  # [s] wall between two looks at the clock
 _PATIENCE = 60.0  # [s] wall
 
@@ -61,14 +63,17 @@ def main() -> int:
     return int(any(result["lost"] for result in results))
 
 
-_TITLE = f"{'asked':>7} {'sent/s':>7} {'sent':>8} {'lost':>6} {'said':>6} {'CPU':>6} {'memory [MB]':>18} {'load':>5}"
+_TITLE = (
+    f"{'asked':>7} {'sent/s':>7} {'sent':>8} {'lost':>7} {'said':>7} {'CPU':>5} "
+    f"{'memory at 0, 50, 100 %':>24} {'load':>6}"
+)
 
 
 def _line(r: dict[str, Any]) -> str:
-    memory = " ".join(f"{value:5.0f}" for value in r["memory"])
+    memory = " ".join(f"{value:.1f}" for value in r["memory"]) + " MB"
     return (
-        f"{r['rate']:>7.0f} {r['sent_per_second']:>7.0f} {r['sent']:>8} {r['lost']:>6} "
-        f"{r['lost_said']:>6} {100 * r['processor']:>5.0f}% {memory:>18} {r['load']:>5.1f}"
+        f"{r['rate']:>7.0f} {r['sent_per_second']:>7.0f} {r['sent']:>8} {r['lost']:>7} "
+        f"{r['lost_said']:>7} {100 * r['processor']:>4.0f}% {memory:>24} {r['load']:>6.1f}"
     )
 
 
@@ -81,7 +86,9 @@ def measure(rate: float, seconds: float) -> dict[str, Any]:
         stack.callback(lock.release)
         environment = for_node(os.environ, lock.domain_id)
         environment.pop("SPACECRAFT_GNC_SUPERVISED")
-        recorder = stack.enter_context(_recorder(folder, sum(names, []), environment))
+        recorder = stack.enter_context(
+            _recorder(folder, [name for group in names for name in group], environment)
+        )
         job = {"rate": rate / PUBLISHERS, "seconds": seconds}
         children = [
             stack.enter_context(_child(environment, {**job, "names": group})) for group in names
@@ -95,7 +102,7 @@ def measure(rate: float, seconds: float) -> dict[str, Any]:
             print((folder / "recorder.log").read_text(), file=sys.stderr)
     sent = {name: count for report in reports for name, count in report["sent"].items()}
     duration = max(report["seconds"] for report in reports)
-    memory = [samples[int(share * (len(samples) - 1))] / 1e6 for share in (0.1, 0.5, 1.0)]
+    memory = [samples[int(share * (len(samples) - 1))] / 1e6 for share in (0.0, 0.5, 1.0)]
     return {
         "rate": rate,
         "sent": sum(sent.values()),
@@ -139,18 +146,19 @@ def _child(environment: dict[str, str], job: dict[str, Any]) -> Iterator[Any]:
 
 
 def _watch(recorder: Any, children: list[Any], seconds: float) -> tuple[list[float], float]:
-    """Sample the recorder's memory until the publishers end; return it, and its processor share."""
+    """Sample the recorder's memory while the publishers send; return it and its processor share."""
+    for child in children:
+        child.stdout.readline()  # it begins to send
     process = psutil.Process(recorder.pid)
+    begun, used = time.monotonic(), sum(process.cpu_times()[:2])
     samples: list[float] = []
-    used = lambda: sum(process.cpu_times()[:2])  # noqa: E731
-    begun = used()
-    deadline = time.monotonic() + seconds + _PATIENCE
     while any(child.poll() is None for child in children):
-        if time.monotonic() > deadline or recorder.poll() is not None:
+        if time.monotonic() > begun + seconds + _PATIENCE or recorder.poll() is not None:
             raise SystemExit("error: the recorder or a publisher did not end as it should")
         samples.append(process.memory_info().rss)
-        time.sleep(0.1)
-    return samples, (used() - begun) / seconds
+        time.sleep(_SAMPLE)
+    spent = sum(process.cpu_times()[:2]) - used
+    return samples, spent / (time.monotonic() - begun)
 
 
 def _count(bag: Path) -> tuple[dict[str, int], int]:
@@ -178,13 +186,16 @@ def publish(names: list[str], rate: float, seconds: float) -> int:
 
     rclpy.init(args=[])
     node = Node(f"sender_{os.getpid()}", start_parameter_services=False)
-    publishers = [node.create_publisher(UInt8MultiArray, name, QoSProfile(depth=1000)) for name in names]
+    publishers = [
+        node.create_publisher(UInt8MultiArray, name, QoSProfile(depth=1000)) for name in names
+    ]
     while any(publisher.get_subscription_count() < 1 for publisher in publishers):
         time.sleep(0.05)
     # as CDR: encapsulation, no dimensions, offset 0, and the bytes
     head = _HEAD.pack(b"\0\1\0\0", 0, 0, SIZE - _HEAD.size)
     filler = os.urandom(SIZE - _HEAD.size - _NUMBERED.size)
     counts = [0] * len(names)
+    print("begun", flush=True)
     begun = time.perf_counter()
     sent, total = 0, round(rate * seconds)
     while sent < total:

@@ -74,4 +74,7 @@ def _losses(rebuilt: Rebuilt) -> list[tuple[str, str]]:
         rows.append(("damaged chunks", f"{rebuilt.damaged_chunks}, left out"))
     if rebuilt.cut_bytes:
         rows.append(("cut off", f"{rebuilt.cut_bytes} bytes of an unfinished record"))
-    return [*rows, ("not in the file", "what the recorder had not written: its last second at most")]
+    return [
+        *rows,
+        ("not in the file", "what the recorder had not written: its last second at most"),
+    ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
@@ -10,8 +9,8 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.nodes._endpoints import matching, message_type
 from spacecraft_gnc.nodes._node import GncNode
-from spacecraft_gnc.nodes._qos import matching
 from spacecraft_gnc.nodes._topics import RECORD, Topic
 
 _LOOK: Final = 0.1  # [s] wall between two looks at the graph while a topic has no publisher
@@ -65,9 +64,10 @@ class ForeignTopics:
                 f"{name}: received messages of several types ({', '.join(types)}); required one; "
                 "end a publisher, or remove the topic from recorder.topics"
             )
-        message_type = _installed(name, types[0])
-        qos = matching(publishers, RECORD.depth)
-        self._on_found(Topic(name, message_type, (), (), qos), publishers)
+        installed = _installed(name, types[0])
+        qos = matching([info.qos_profile for info in publishers])
+        qos.depth = RECORD.depth
+        self._on_found(Topic(name, installed, (), (), qos), publishers)
         return True
 
 
@@ -84,11 +84,11 @@ def _full_name(node: GncNode, name: str) -> str:
 
 def _installed(name: str, type_name: str) -> Any:
     """Return the Python class of a message type."""
-    module, _, leaf = type_name.partition("/msg/")
     try:
-        return getattr(importlib.import_module(f"{module}.msg"), leaf)
-    except (ImportError, AttributeError) as error:
+        return message_type(type_name)
+    except ImportError as error:
+        package = type_name.partition("/")[0]
         raise RecordingError(
             f"{name}: received messages of type {type_name}; required a type that is installed; "
-            f"install the package {module}, or remove the topic from recorder.topics"
+            f"install the package {package}, or remove the topic from recorder.topics"
         ) from error

@@ -54,6 +54,15 @@ class SequenceWatch:
         """Take a matched event of the subscription."""
         self._publishers = max(self._publishers, event.total_count)
 
+    def before(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
+        """Return a callback for matched events that takes them first."""
+
+        def on_match(event: Any) -> None:
+            self.on_match(event)
+            callback(event)
+
+        return on_match
+
     def on_lost(self, event: Any) -> None:
         """Take a message-lost event of the subscription."""
         self._dropped = max(self._dropped, event.total_count)

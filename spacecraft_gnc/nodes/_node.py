@@ -195,12 +195,12 @@ class GncNode(LifecycleNode):
     ) -> Subscription:
         """Receive the serialized messages of a topic: ``callback(data)``.
 
-        With a ``watch`` for losses the callback gets the message info too: ``callback(data, info)``.
+        With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``.
         """
         callbacks = SubscriptionEventCallbacks(matched=self._on_match)
         if watch is not None:
             callback = with_info(callback)
-            callbacks.matched = lambda event: (watch.on_match(event), self._on_match(event))
+            callbacks.matched = watch.before(self._on_match)
             callbacks.message_lost = watch.on_lost
         subscription = self.create_subscription(
             topic.type, topic.name, callback, qos or topic.qos, event_callbacks=callbacks, raw=True

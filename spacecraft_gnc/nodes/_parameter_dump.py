@@ -142,9 +142,7 @@ def _client(node: GncNode, kind: Any, name: str) -> Client:
 
 def _without_none(values: dict[str, Any]) -> dict[str, Any]:
     """Write an array without a value, which ROS 2 counts as not set, as an empty list."""
-    return {
-        name: [] if value is None else _listed(value) for name, value in sorted(values.items())
-    }
+    return {name: [] if value is None else _listed(value) for name, value in sorted(values.items())}
 
 
 def _listed(value: Any) -> Any:

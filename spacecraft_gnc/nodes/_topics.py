@@ -138,7 +138,6 @@ TOPICS: Final = (
 )
 
 
-
 def foreign(wanted: Collection[str]) -> tuple[str, ...]:
     """Return what a recorder is asked for and the graph does not have."""
     known = {EVERY, *(topic.name.strip("/") for topic in TOPICS if topic.recorded)}

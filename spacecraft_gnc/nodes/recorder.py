@@ -89,9 +89,7 @@ class RecorderNode(GncNode):
             if topic.is_recorded(wanted):
                 qos = topic.qos if topic.is_latched else RECORD
                 name = self.resolve_topic_name(topic.name)
-                announce(
-                    self._bag, name, topic.type, [topic.qos], gapless=self._is_gapless(topic)
-                )
+                announce(self._bag, name, topic.type, [topic.qos], gapless=self._is_gapless(topic))
                 self._take(topic, name, qos, self._writer_of_graph(topic, name))
         self._foreign = ForeignTopics(self, foreign(wanted), self._on_foreign)
         self._publish_recorded = self.advertise(RECORDED).publish

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
@@ -108,7 +108,7 @@ def rebuild(
     files = _storage_files(source)
     if not _is_unfinished(source, files):
         raise RecordingError(
-            f"{source}: received a bag that is whole; required one that was cut off; use it as it is"
+            f"{source}: received a whole bag; required one that was cut off; use it as it is"
         )
     target = default_folder(source) if folder is None else Path(folder)
     made = prepare_folder(target)
@@ -235,14 +235,16 @@ class _Rebuild:
         ends = [topic.next_step for topic in every.values() if topic.messages]
         result.last_whole_step = min(ends) - 1 if ends else None
 
-    def _record(self) -> Mapping[str, str]:
+    def _record(self) -> dict[str, str]:
         result = self._result
         return {
             "source": str(self._source),
             "at": datetime.now(timezone.utc).isoformat(timespec="seconds"),
             "by": f"spacecraft_gnc {__version__}",
             "messages": str(result.messages),
-            "last_whole_step": "" if result.last_whole_step is None else f"{result.last_whole_step}",
+            "last_whole_step": ""
+            if result.last_whole_step is None
+            else f"{result.last_whole_step}",
             "cut_bytes": str(result.cut_bytes),
             "damaged_chunks": str(result.damaged_chunks),
         }

@@ -226,7 +226,7 @@ class RecorderParameters(NodeParameters):
     topics: tuple[str, ...] = parameter(
         Kind.STRING_ARRAY,
         [],
-        "topics to record, of the graph or any other; empty: all of the graph, as is '*' among others",
+        "topics to record, of the graph or any other; empty: all of the graph; '*': these too",
         shape=(-1,),
         may_be_empty=True,
         unique=True,

@@ -26,7 +26,11 @@ from spacecraft_gnc.scenario import load
 
 pytestmark = pytest.mark.graph
 
-OTHER = ("plant.duration=8.0", "nmpc_controller.max_torque=0.008", "plant.initial_momentum=[0.,0.,0.01]")
+OTHER = (
+    "plant.duration=8.0",
+    "nmpc_controller.max_torque=0.008",
+    "plant.initial_momentum=[0.,0.,0.01]",
+)
 CONSOLE = {"storage_folder", "autostart"}  # what the launcher passes on the command line
 
 
@@ -101,7 +105,7 @@ class Killer(Display):
 )
 def test_a_killed_recorder_is_recovered(graph: Any, mode: tuple[str, ...]) -> None:
     killer = Killer(random.Random(len(mode)).uniform(2.0, 4.0))
-    with pytest.raises(NodeDied, match="recorder .* was killed by SIGKILL"):
+    with pytest.raises(NodeDied, match=r"recorder .* was killed by SIGKILL"):
         graph.fly("plant.duration=1000000.0", *mode, display=killer)
     rebuilt = rebuild(graph.launcher.plan.bag)
     assert killer.owed > 0

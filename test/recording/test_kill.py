@@ -11,6 +11,7 @@ import sys
 import time
 from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -99,11 +100,11 @@ def check_one(folder, seed):
     """Return (seed, messages owed, messages saved) of one kill."""
     sent = record_until_killed(folder, seed)
     owed = sum(old for messages in sent.values() for old, _ in messages)
-    try:
-        bag = rebuild(folder).folder
-    except RecordingError as error:  # killed before the first chunk was due
-        assert owed == 0, f"seed {seed}: {error}"
+    if not owed:  # killed before the first chunk was due: there may be nothing to save
+        with suppress(RecordingError):
+            rebuild(folder)
         return seed, 0, 0
+    bag = rebuild(folder).folder
     saved = defaultdict(list)
     with AnyReader([bag]) as reader:
         for connection, _, data in reader.messages():
