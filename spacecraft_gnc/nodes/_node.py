@@ -201,7 +201,6 @@ class GncNode(LifecycleNode):
         if watch is not None:
             callback = with_info(callback)
             callbacks.matched = watch.before(self._on_match)
-            callbacks.message_lost = watch.on_lost
         subscription = self.create_subscription(
             topic.type, topic.name, callback, qos or topic.qos, event_callbacks=callbacks, raw=True
         )

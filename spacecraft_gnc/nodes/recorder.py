@@ -64,7 +64,6 @@ class RecorderNode(GncNode):
         self._now = _NOT_YET
         self._early: dict[str, tuple[Record, bytes, Mapping[str, Any]]] = {}
         self._watches: dict[str, SequenceWatch] = {}
-        self._told_loss = 0
         self._shouted = -_SHOUT_PERIOD
         parameters = scenario.recorder
         folder = parameters.storage_folder or time.strftime("bags/%Y-%m-%d-%H-%M-%S")
@@ -232,15 +231,12 @@ class RecorderNode(GncNode):
 
     def _shout(self) -> None:
         lost = {name: watch.lost for name, watch in self._watches.items() if watch.lost}
-        total = self._told_loss = sum(lost.values())
+        total = sum(lost.values())
         text = f"MESSAGES LOST on the way to the recorder: {total} so far, by topic: {lost}"
         self.get_logger().error(text)
         self.diagnose(DiagnosticStatus.ERROR, text, {"lost_messages": total})
 
     def _flush(self) -> None:
-        for name, watch in self._watches.items():
-            if watch.lost > self._bag.counts[name].lost:  # told by DDS, not by a gap
-                self._on_loss(name)
         try:
             self._bag.flush()
         except RecordingError as error:

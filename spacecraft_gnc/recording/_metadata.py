@@ -9,13 +9,20 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import yaml
 
-METADATA_NAME = "metadata.yaml"
-ROSBAG2_RECORD = "rosbag2"
+METADATA_NAME: Final = "metadata.yaml"
+ROSBAG2_RECORD: Final = "rosbag2"
 """MCAP metadata record that holds the same."""
+LOSSES_RECORD: Final = "losses"
+"""MCAP metadata record: messages known to be lost, by topic."""
+RECOVERED_RECORD: Final = "recovered"
+"""MCAP metadata record of a bag that was rebuilt: from what, by what, and what it lacks."""
+GAPLESS: Final = "gapless"
+"""Key in the metadata of an MCAP channel: whether a control step without a message is a loss."""
+_LOST: Final = "messages_lost"
 _VERSION = 9
 _MAX_STAMP = 2**63 - 1
 
@@ -75,8 +82,8 @@ class BagSummary(NamedTuple):
 
     def _losses(self) -> dict[str, str]:
         """Return what the bag lacks, as rosbag2 wants it: text by key."""
-        lost = {f"messages_lost {topic.name}": topic.lost for topic in self.topics if topic.lost}
-        return {key: str(n) for key, n in {"messages_lost": sum(lost.values()), **lost}.items()}
+        lost = {f"{_LOST} {topic.name}": topic.lost for topic in self.topics if topic.lost}
+        return {key: str(n) for key, n in {_LOST: sum(lost.values()), **lost}.items()}
 
 
 def _topic_entry(topic: TopicSummary) -> dict[str, object]:
@@ -95,6 +102,17 @@ def _topic_entry(topic: TopicSummary) -> dict[str, object]:
 def dump(mapping: dict[str, object]) -> str:
     """Return YAML text in the order of ``mapping``."""
     return yaml.safe_dump(mapping, sort_keys=False)
+
+
+def read_losses(folder: Path) -> dict[str, int]:
+    """Return the messages known to be lost by topic; none of a bag that is not closed."""
+    try:
+        text = (folder / METADATA_NAME).read_text(encoding="utf-8")
+    except OSError:
+        return {}
+    told = yaml.safe_load(text)["rosbag2_bagfile_information"]["custom_data"] or {}
+    words = ((key.split(" "), value) for key, value in told.items())
+    return {key[1]: int(lost) for key, lost in words if key[0] == _LOST and len(key) == 2}
 
 
 def write_metadata(folder: Path, summary: BagSummary) -> None:

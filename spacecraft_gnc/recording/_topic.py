@@ -6,6 +6,8 @@ import struct
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from spacecraft_gnc.recording._metadata import TopicSummary
+
 _UINT32 = struct.Struct("<I")
 _UINT64 = struct.Struct("<Q")
 _ENCAPSULATION = 4  # bytes before the CDR payload; alignment counts from their end
@@ -49,6 +51,17 @@ class Topic:
     def lost(self) -> int:
         """Messages known to be lost: what the receiver and the steps say is the same loss."""
         return max(self.reported, self.gaps if self.gapless else 0)
+
+    @property
+    def count(self) -> TopicCount:
+        """What was counted so far."""
+        return TopicCount(self.messages, self.gaps, self.repeats, self.lost)
+
+    def summary(self, name: str) -> TopicSummary:
+        """Return what metadata.yaml says of the topic."""
+        return TopicSummary(
+            name, self.type_name, self.qos_yaml, self.type_hash, self.messages, self.lost
+        )
 
     def count_step(self, data: bytes) -> None:
         """Compare the step of a serialized message with the one expected."""

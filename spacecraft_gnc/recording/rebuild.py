@@ -18,9 +18,11 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import prepare_folder, stopped
 from spacecraft_gnc.recording._metadata import (
+    GAPLESS,
+    LOSSES_RECORD,
+    RECOVERED_RECORD,
     ROSBAG2_RECORD,
     BagSummary,
-    TopicSummary,
     dump,
     write_metadata,
 )
@@ -28,10 +30,7 @@ from spacecraft_gnc.recording._topic import STEPPED_START, Topic
 from spacecraft_gnc.recording.bag import MCAP_SUFFIX, _damage, _is_unfinished, _storage_files
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
-from spacecraft_gnc.recording.writer import GAPLESS, LOSSES_RECORD
 
-RECOVERED_RECORD: Final = "recovered"
-"""Metadata record of a bag that was rebuilt: from what, by what, and what it lacks."""
 _DISTRO: Final = "jazzy"
 _REPORT_EVERY: Final = 1000  # messages between two reports of the progress
 
@@ -250,10 +249,7 @@ class _Rebuild:
         }
 
     def _summary(self) -> BagSummary:
-        topics = [
-            TopicSummary(name, t.type_name, t.qos_yaml, t.type_hash, t.messages, t.lost)
-            for name, t in self._topics.items()
-        ]
+        topics = [topic.summary(name) for name, topic in self._topics.items()]
         marks = {RECOVERED_RECORD: str(self._source)}
         return BagSummary(
             self._path.name, self._start_ns, self._end_ns, topics, self._distro, marks

@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.recording._metadata import LOSSES_RECORD, RECOVERED_RECORD
 from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
 
 SCENARIO_ATTACHMENT: Final = "scenario.yaml"
@@ -53,6 +54,13 @@ class RunInfo:
         lines = []
         if self.unfinished:
             lines.append(f"{self.path}: the bag was cut off; what was saved is shown")
+        if RECOVERED_RECORD in self.metadata:
+            source = self.metadata[RECOVERED_RECORD].get("source", "another")
+            lines.append(f"{self.path}: recovered from {source}, which was cut off")
+        lost = {t: n for t, n in self.metadata.get(LOSSES_RECORD, {}).items() if n != "0"}
+        if lost:
+            listed = ", ".join(f"{topic} {n}" for topic, n in lost.items())
+            lines.append(f"{self.path}: messages were lost while recording: {listed}")
         for topic, steps in self.missing.items():
             lines.append(f"{self.path}: {topic} lacks {_listed(steps)}")
         if self.overridden:

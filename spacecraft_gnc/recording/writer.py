@@ -19,9 +19,10 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import RecordFile, prepare_folder, refused_message, stopped
 from spacecraft_gnc.recording._metadata import (
+    GAPLESS,
+    LOSSES_RECORD,
     ROSBAG2_RECORD,
     BagSummary,
-    TopicSummary,
     dump,
     write_metadata,
 )
@@ -32,10 +33,6 @@ CHUNK_SIZE: Final = 256 * 1024  # [bytes]
 FLUSH_PERIOD: Final = 0.5
 """A chunk is closed at this age, however small it is [s]; with a timer that calls
 `BagWriter.flush` as often, a killed recorder loses less than a second."""
-LOSSES_RECORD: Final = "losses"
-"""Metadata record: messages known to be lost, by topic."""
-GAPLESS: Final = "gapless"
-"""Key of a channel's metadata: whether a control step without a message is a loss."""
 _MESSAGE_OVERHEAD = 31  # bytes that an MCAP message record adds to its payload
 
 
@@ -208,10 +205,7 @@ class BagWriter:
     @property
     def counts(self) -> dict[str, TopicCount]:
         """Messages, gaps, repeats and losses of each topic."""
-        return {
-            name: TopicCount(topic.messages, topic.gaps, topic.repeats, topic.lost)
-            for name, topic in self._topics.items()
-        }
+        return {name: topic.count for name, topic in self._topics.items()}
 
     def close(self) -> None:
         """Finish the bag: index, footer, metadata.yaml. Closing twice does nothing."""
@@ -303,8 +297,5 @@ class BagWriter:
         self._mcap.add_metadata(ROSBAG2_RECORD, {"serialized_metadata": text})
 
     def _summary(self) -> BagSummary:
-        topics = [
-            TopicSummary(name, t.type_name, t.qos_yaml, t.type_hash, t.messages, t.lost)
-            for name, t in self._topics.items()
-        ]
+        topics = [topic.summary(name) for name, topic in self._topics.items()]
         return BagSummary(self.path.name, self._start_ns, self._end_ns, topics, self._ros_distro)

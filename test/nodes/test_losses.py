@@ -65,13 +65,6 @@ def test_a_publisher_that_came_anew_or_joined_late_lost_nothing() -> None:
     assert watch.lost == 0
 
 
-def test_dds_may_know_of_more() -> None:
-    watch = watch_of(1)
-    see(watch, [1, 2, 4])
-    watch.on_lost(SimpleNamespace(total_count=5))
-    assert watch.lost == 5
-
-
 def test_an_rmw_that_does_not_number_is_no_loss() -> None:
     watch = watch_of(1)
     assert see(watch, [None, None]) == []

@@ -9,6 +9,7 @@ import pytest
 import yaml
 from recording.bags import CODEC
 
+from spacecraft_gnc.recording._metadata import read_losses
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.writer import BagWriter
 
@@ -49,6 +50,7 @@ def test_what_the_receiver_missed_is_in_the_bag(bag):
     bag.close()
     assert losses(bag.folder) == {"/words": 7, "/free": 0, "/every": 3}
     told = yaml.safe_load((bag.folder / "metadata.yaml").read_text())
+    assert read_losses(bag.folder) == {"/words": 7, "/every": 3}
     assert told["rosbag2_bagfile_information"]["custom_data"] == {
         "messages_lost": "10",
         "messages_lost /words": "7",
