@@ -128,6 +128,24 @@ def as_rotation(name: str, value: ArrayLike) -> Matrix3:
     return rotation
 
 
+def as_symmetric(name: str, value: ArrayLike) -> Matrix3:
+    """Return ``value`` as a read-only symmetric (3, 3) matrix.
+
+    Raises
+    ------
+    ParameterError
+        If it differs from its transpose.
+    """
+    matrix = as_matrix3(name, value)
+    asymmetry = float(np.abs(matrix - matrix.T).max())
+    if asymmetry > 1e-12 * float(np.abs(matrix).max()):
+        raise ParameterError(
+            f"{name}: received a matrix that differs from its transpose by {asymmetry:.3g}; "
+            "required a symmetric matrix; mirror the off-diagonal entries"
+        )
+    return matrix
+
+
 def as_inertia(name: str, value: ArrayLike) -> Matrix3:
     """Return ``value`` as a read-only inertia matrix (3, 3) [kg m^2], body frame.
 
@@ -137,13 +155,7 @@ def as_inertia(name: str, value: ArrayLike) -> Matrix3:
         If it is not symmetric, not positive definite, or its principal moments break the (strict)
         triangle inequality, so that no rigid body with volume has it.
     """
-    inertia = as_matrix3(name, value)
-    asymmetry = float(np.abs(inertia - inertia.T).max())
-    if asymmetry > 1e-12 * float(np.abs(inertia).max()):
-        raise ParameterError(
-            f"{name}: received a matrix that differs from its transpose by {asymmetry:.3g}; "
-            "required a symmetric matrix; mirror the off-diagonal entries"
-        )
+    inertia = as_symmetric(name, value)
     moments = np.linalg.eigvalsh(inertia)
     if moments[0] <= 0.0:
         raise ParameterError(
@@ -166,13 +178,8 @@ def as_semidefinite(name: str, value: ArrayLike) -> Matrix3:
     ParameterError
         If it is not symmetric or has a negative eigenvalue.
     """
-    weight = as_matrix3(name, value)
+    weight = as_symmetric(name, value)
     size = max(float(np.abs(weight).max()), 1e-300)
-    if float(np.abs(weight - weight.T).max()) > 1e-12 * size:
-        raise ParameterError(
-            f"{name}: received {_listed(weight.ravel())}; required a symmetric matrix; mirror the "
-            "off-diagonal entries"
-        )
     smallest = float(np.linalg.eigvalsh(weight)[0])
     if smallest < -1e-12 * size:
         raise ParameterError(

@@ -9,7 +9,7 @@ plant:
   ros__parameters:
     inertia: [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0]
     time_step: 0.1
-    duration: 2.0
+    duration: 60.0
     initial_rotation_vector: [0.5, 0.0, 0.0]
     initial_momentum: [0.0, 0.0, 0.0]
 nmpc_controller:
@@ -123,6 +123,26 @@ CASES = {
         *_exclusions(star=([0.0, 0.0, 1.0], 59.85)), "nmpc_controller.zones.star.half_angle_deg",
         "an attitude that keeps reference_governor.steady_margin_deg to every zone",
         "shrink the cone, or lower steady_margin_deg",
+    ),
+    "duration too short for the torque": Bad(
+        "duration: 60.0", "duration: 28.0", "plant.duration", "at least 28.28 s",
+        "lengthen it, or raise reference_governor.max_torque",
+    ),
+    "way round nearer than a reference may be": Bad(
+        _TARGET, f"{_TARGET}\n    route_clearance_deg: 0.05",
+        "reference_governor.route_clearance_deg",
+        "at least 0.1 deg (reference_governor.steady_margin_deg)", "raise it",
+    ),
+    "steady margin beyond that of the way round": Bad(
+        "steady_margin_deg: 0.1", "steady_margin_deg: 2.5",
+        "reference_governor.steady_margin_deg",
+        "at most 2 deg (reference_governor.route_clearance_deg)", "raise route_clearance_deg",
+    ),
+    "gain that is not positive definite": Bad(
+        "feedback_attitude_gain: [0.1, 0.0, 0.0, 0.0, 0.2,",
+        "feedback_attitude_gain: [0.1, 0.0, 0.0, 0.0, -0.2,",
+        "nmpc_controller.feedback_attitude_gain", "a symmetric positive definite matrix",
+        "make every eigenvalue positive",
     ),
     "level of an unstable equilibrium": Bad(
         _TARGET, f"{_TARGET}\n    lyapunov_level: 0.6", "reference_governor.lyapunov_level",

@@ -173,6 +173,11 @@ CASES = {
         "stage_torque: 1.0", "stage_attitude: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0]",
         "nmpc_controller.weights.stage_attitude", "semi-definite", "eigenvalues",
     ),
+    "definite matrix weight indefinite": Bad(
+        "stage_torque: 1.0", "stage_torque: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, -1.0]",
+        "nmpc_controller.weights.stage_torque", "symmetric positive definite",
+        "make every eigenvalue positive",
+    ),
     "matrix weight not symmetric": Bad(
         "stage_torque: 1.0", "stage_torque: [1.0, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]",
         "nmpc_controller.weights.stage_torque", "a symmetric matrix", "mirror",

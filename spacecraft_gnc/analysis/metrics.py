@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.neighboring import neighboring_metrics
 from spacecraft_gnc.loop.protocols import Source
@@ -41,8 +42,10 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         ``_0.1deg`` (time after which the error stays below for good [s]; None: never): angles to
         the target where a governor shaped the reference, else to the reference, as ``error_to``
         says; ``alpha_one_time`` (from which on the governor allowed the whole way to the target
-        for good [s]; None: never, or no governor), ``min_governor_margin`` (of its predictions, in
-        the unit of each one's nearest constraint),
+        for good [s]; None: never, or no governor), ``final_reference_error_deg`` (from the last
+        reference to the target), ``inadmissible_steps`` (at which the prediction violated a
+        constraint even with the last reference held), ``min_governor_margin`` (of its predictions,
+        in the unit of each one's nearest constraint),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
         stage costs), ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
@@ -110,8 +113,18 @@ def _governor_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict
     return {
         "error_to": "reference" if aim is None else "target",
         "alpha_one_time": None if aim is None else _alpha_one_time(trajectory, aim),
+        "final_reference_error_deg": None if aim is None else _off_target(trajectory, aim),
+        "inadmissible_steps": int(np.count_nonzero(margins < 0.0)),
         "min_governor_margin": float(margins.min()) if margins.size else None,
     }
+
+
+def _off_target(trajectory: Trajectory, target: Matrix3) -> float | None:
+    """Return the angle from the last reference to the target [deg]."""
+    last = trajectory.final_reference
+    if not np.isfinite(last).all():
+        return None
+    return math.degrees(lie.angle_between(last, target))
 
 
 def _alpha_one_time(trajectory: Trajectory, target: Matrix3) -> float | None:

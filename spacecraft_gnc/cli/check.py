@@ -78,19 +78,38 @@ def _rows(scenario: Scenario) -> list[tuple[str, str]]:
     error = _initial_error_deg(scenario)
     period, steps = scenario.period, scenario.n_steps
     pace = f"free_run x{plant.real_time_factor:g}" if plant.mode == "free_run" else plant.mode
-    method = f"{controller.method} ({controller.variant})"
     zones = [f"{z.name} ({z.kind}, {z.half_angle_deg:g} deg)" for z in controller.zones]
     return [
         ("vehicle", f"{plant.vehicle}, principal moments {moments} kg m^2"),
         ("flight", f"{steps} control steps of {period:g} s, {steps * period:g} s in all, {pace}"),
         ("integrator", f"{scenario.substeps} step(s) of {plant.time_step:g} s a control step"),
         ("start", f"{error:.4g} deg from the target, |Pi| {momentum:g} N m s"),
-        ("controller", f"{method}, horizon {controller.horizon} steps"),
+        ("controller", _controller(scenario)),
         ("torque limit", f"{controller.max_torque:g} N m" if controller.max_torque else "none"),
         ("zones", ", ".join(zones) or "none"),
-        ("governor", scenario.governor.governor),
+        ("governor", _governor(scenario)),
         ("nodes", ", ".join(scenario.launcher.nodes)),
     ]
+
+
+def _controller(scenario: Scenario) -> str:
+    """Return the method with variant and horizon, where it has them."""
+    from spacecraft_gnc.scenario.checks_method import READERS
+    from spacecraft_gnc.scenario.registry import BUILT_IN
+
+    c = scenario.controller
+    built_in = BUILT_IN["controllers"].get(c.method)
+    variant = f" ({c.variant})" if built_in is None or built_in.variants else ""
+    horizon = f", horizon {c.horizon} steps"
+    return c.method + variant + (horizon if not built_in or c.method in READERS["horizon"] else "")
+
+
+def _governor(scenario: Scenario) -> str:
+    """Return the governor with the limits that it keeps."""
+    g = scenario.governor
+    limits = (("torque", g.max_torque, "N m"), ("momentum", g.max_momentum, "N m s"))
+    kept = [f"{what} limit {value:g} {unit}" for what, value, unit in limits if value > 0.0]
+    return ", ".join([g.governor, *kept])
 
 
 def _initial_error_deg(scenario: Scenario) -> float:

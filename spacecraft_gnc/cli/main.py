@@ -42,6 +42,9 @@ COMMANDS: Final = {
     "inspect": _Command(
         f"{_PACKAGE}.inspect:inspect", "Look into a running graph: nodes, topics, messages, rates."
     ),
+    "audit": _Command(
+        f"{_PACKAGE}.audit:audit", "Integrate a bag again and certify every command afresh."
+    ),
     "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
     "recover": _Command(
         f"{_PACKAGE}.recover:recover", "Rebuild a readable bag from one that was cut off."

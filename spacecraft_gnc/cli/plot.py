@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 
 if TYPE_CHECKING:
     from spacecraft_gnc.recording.reader import Flight
@@ -33,7 +34,10 @@ class ErrorScale(str, Enum):
 
 SourceArgument = Annotated[
     Path,
-    typer.Argument(metavar="BAG|FILE.npz", help="Bag folder, .mcap file, or .npz of gnc simulate."),
+    typer.Argument(
+        metavar="BAG|FILE.npz",
+        help="Bag, .mcap file, folder of gnc launch, or .npz of gnc simulate.",
+    ),
 ]
 OutOption = Annotated[
     Path | None,
@@ -83,7 +87,7 @@ def plot(
 
     flight = load_run(source, allow_unfinished=unfinished)
     known = _scenario(flight, scenario)
-    name = source.stem if source.is_file() else source.resolve().name
+    name = _name_of(source)
     heading = name if title is None else title
     figures = flight_figures(flight.trajectory, known, title=heading, error_scale=error_scale.value)
     folder = out if out is not None else Path(f"{name}-figures")
@@ -96,6 +100,15 @@ def plot(
     elif not quiet:
         for file in files:
             print(file)
+
+
+def _name_of(source: Path) -> str:
+    """Return the name of a file or folder; of a bag in the folder of a run, that of the run."""
+    if source.is_file():
+        return source.stem
+    folder = source.resolve()
+    is_run = folder.name == BAG_FOLDER and (folder.parent / RUN_SCENARIO).is_file()
+    return folder.parent.name if is_run else folder.name
 
 
 def _scenario(flight: Flight, path: Path | None) -> Scenario | None:

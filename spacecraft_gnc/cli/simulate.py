@@ -149,6 +149,9 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append(("steps at a standstill", f"{m['stalled_steps']}, away from the target"))
     if m["escaping_steps"]:
         rows.append(("steps leaving one", f"{m['escaping_steps']}, by an added torque"))
+    if m["inadmissible_steps"]:
+        text = f"no reference was admissible at {m['inadmissible_steps']} of {m['steps']} steps"
+        rows.append(("warning", text))
     if m["fallback_steps"]:
         text = f"{m['fallback_steps']} of {m['steps']} steps flew on a fallback torque"
         rows.append(("warning", text))
@@ -159,8 +162,11 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
 def _governor_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     if m["min_governor_margin"] is None:
         return []
-    at = m["alpha_one_time"]
-    return [("whole way allowed", "never" if at is None else f"from {at:g} s (alpha = 1)")]
+    at, off = m["alpha_one_time"], m["final_reference_error_deg"]
+    if at is not None:
+        return [("whole way allowed", f"from {at:g} s (alpha = 1)")]
+    where = "" if off is None else f", reference {_text(off, 5)} deg from the target at the end"
+    return [("whole way allowed", f"never{where}")]
 
 
 def _limit(m: dict[str, Any]) -> str:

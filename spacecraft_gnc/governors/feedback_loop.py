@@ -8,6 +8,7 @@ whatever comes later is not seen.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -112,11 +113,13 @@ class FeedbackPredictor:
     ) -> FeedbackPredictor:
         """Build the predictor of a scenario whose method is ``feedback``.
 
-        ``horizon`` takes the place of ``reference_governor.prediction_horizon``.
+        The body is the plant's, whatever inertia the controller believes. ``horizon`` takes the
+        place of ``reference_governor.prediction_horizon``.
         """
         g = scenario.governor
+        law = AttitudeFeedback.from_scenario(scenario)
         return cls(
-            AttitudeFeedback.from_scenario(scenario),
+            replace(law, inertia=scenario.plant.inertia),  # the gains stay those that are flown
             scenario.plant.time_step,
             scenario.substeps,
             reference_set,

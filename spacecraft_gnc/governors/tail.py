@@ -191,8 +191,10 @@ def horizon_of(loop: Loop, limits: Limits, tail: Tail, level: float) -> int:
     if flown < 0:
         raise ParameterError(
             f"lyapunov_level: received {limits.level:g} J, in which a flight does not settle in "
-            f"{MOST_STEPS} steps; required a level, and a torque limit of the controller, at which "
-            "the loop converges; lower lyapunov_level, or set nmpc_controller.max_torque: 0.0"
+            f"{MOST_STEPS} steps, with limits that are sure to hold within "
+            f"{math.degrees(tail.widest * math.sqrt(level)):.2g} deg; required a level, and a "
+            "torque limit of the controller, at which the loop converges; lower lyapunov_level, "
+            "set nmpc_controller.max_torque: 0.0, or raise max_torque and max_momentum"
         )
     return max(1, due, flown + 1 + flown // 10)
 

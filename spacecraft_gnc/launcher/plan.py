@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.schema import NODE_NAMES
 
@@ -22,7 +23,6 @@ COMPOSED: Final = "graph"
 """Name of the process that hosts all nodes in a composed launch."""
 _RUNS: Final = Path("runs")
 _DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
-_SCENARIO_FILE: Final = "scenario.yaml"
 
 
 class LaunchRefused(LaunchError):
@@ -66,12 +66,12 @@ class LaunchPlan:
     @property
     def bag(self) -> Path:
         """Folder of the bag."""
-        return self.out / "bag"
+        return self.out / BAG_FOLDER
 
     def discard(self) -> None:
         """Remove what was made for a run that was refused before it began."""
         with suppress(OSError):  # not empty: somebody else's
-            (self.out / _SCENARIO_FILE).unlink(missing_ok=True)
+            (self.out / RUN_SCENARIO).unlink(missing_ok=True)
             self.out.rmdir()
 
     @property
@@ -110,7 +110,7 @@ def make_plan(
     parameter_file = path.resolve()
     if overrides or changes:
         merged = load(path, [*overrides, *(f"{key}={value}" for key, value in changes.items())])
-        parameter_file = folder / _SCENARIO_FILE
+        parameter_file = folder / RUN_SCENARIO
         parameter_file.write_text(merged.to_yaml(defaults=True), encoding="utf-8")
         scenario = merged
     return LaunchPlan(

@@ -34,8 +34,17 @@ class TerminalSetController(SolverController):
             If the terminal set is out of reach from the scenario's own start, which it can tell
             where no governor stands between the target and the controller.
         """
+        c, ocp = scenario.controller, cls.problem(scenario)
+        solver = TerminalSetSolver(ocp, ShootingOptions(c.residual_tolerance, c.max_iterations))
+        if "plant" in scenario.sections and scenario.governor.governor == "none":
+            _require_feasible(scenario, solver)
+        return cls(solver)
+
+    @staticmethod
+    def problem(scenario: Scenario) -> TerminalSetOcp:
+        """Return the optimal control problem of a scenario's section ``nmpc_controller``."""
         c = scenario.controller
-        ocp = TerminalSetOcp(
+        return TerminalSetOcp(
             inertia=c.inertia,
             time_step=c.time_step,
             horizon=c.horizon,
@@ -47,10 +56,6 @@ class TerminalSetController(SolverController):
             terminal_set=c.terminal_set,
             zones=zones_of(scenario),
         )
-        solver = TerminalSetSolver(ocp, ShootingOptions(c.residual_tolerance, c.max_iterations))
-        if "plant" in scenario.sections and scenario.governor.governor == "none":
-            _require_feasible(scenario, solver)
-        return cls(solver)
 
 
 def _require_feasible(scenario: Scenario, solver: TerminalSetSolver) -> None:

@@ -6,6 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.governors.prediction import UNITS
 from spacecraft_gnc.loop.protocols import GovernorDecision, State
 from spacecraft_gnc.types import Matrix3, Vector3
 
@@ -104,7 +105,10 @@ def _trouble(kind: str, state: State, decision: GovernorDecision, target: Matrix
         "inadmissible": "no reference keeps every constraint, not even the last one",
         "stuck": f"stuck {error:.4g} deg from the target",
     }
-    text = f"{what[kind]}: {constraint}, margin {decision.margin:.4g} (step {state.step})"
+    margin = f"{decision.margin:.4g}"
+    if kind == "inadmissible":  # else it may be that of another constraint
+        margin += f" {UNITS.get(constraint, 'rad')}"
+    text = f"{what[kind]}: {constraint}, margin {margin} (step {state.step})"
     values: dict[str, float | str] = {
         "trouble": kind,
         "step": state.step,

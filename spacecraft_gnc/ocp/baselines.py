@@ -10,7 +10,6 @@ from dataclasses import replace
 from time import perf_counter
 
 import numpy as np
-from scipy.optimize import minimize, root
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp import _shooting_kernels
@@ -56,7 +55,9 @@ class SlsqpSolver:
         self._options = {"maxiter": max_iterations, "ftol": tolerance}
 
     def warm_up(self) -> None:
-        """Compile or load the kernels."""
+        """Compile or load the kernels, and the minimiser."""
+        import scipy.optimize  # noqa: F401
+
         self._plain.cost(np.zeros((self.ocp.horizon, self.ocp.n_controls)), np.eye(3), np.zeros(3))
 
     def solve(
@@ -70,6 +71,8 @@ class SlsqpSolver:
 
         ``warm_start`` gives the controls to start from, by way of its multipliers.
         """
+        from scipy.optimize import minimize  # loads for longer than all of this package
+
         started = perf_counter()
         ocp, shape = self.ocp, (self.ocp.horizon, self.ocp.n_controls)
         state = (as_rotation("attitude", attitude), as_vector3("momentum", momentum))
@@ -175,6 +178,8 @@ class FsolveSolver:
         warm_start: Array | None = None,
     ) -> Solution:
         """Solve from a state; arguments and failures as `ShootingSolver.solve`."""
+        from scipy.optimize import root  # as above
+
         started = perf_counter()
         ocp = self.ocp
         state = (as_rotation("attitude", attitude), as_vector3("momentum", momentum))

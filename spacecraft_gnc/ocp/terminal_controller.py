@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array, Matrix3
@@ -47,6 +46,8 @@ class TerminalController(NamedTuple):
         ParameterError
             If it has no stabilising solution.
         """
+        import scipy.linalg  # loads for long, and for this method only
+
         inverse, zero = np.linalg.inv(inertia), np.zeros((3, 3))
         A = np.block([[np.eye(3), time_step * inverse], [zero, np.eye(3)]])
         B = np.vstack([zero, time_step * np.eye(3)])

@@ -13,7 +13,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ndtri
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp import _level_kernels
@@ -149,6 +148,8 @@ def spread(count: int, dimension: int, first: int) -> Array:
 
 def _sphere(cube: Array) -> Array:
     """Map points (n, 6) of the cube to the unit sphere, by the normal distribution."""
+    from scipy.special import ndtri  # loads for long, and for this method only
+
     normal = ndtri(np.clip(cube, 1e-12, 1.0 - 1e-12))
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 

@@ -11,26 +11,12 @@ from numpy.typing import NDArray
 from spacecraft_gnc.errors import RecordingError
 
 _ANY: Final = frozenset(
-    {
-        # SolverStatus: NaN without a solve, or not known
-        "residual",
-        "cost",
-        "first_costate",
-        "torque_margin",
-        "zone_margins",
-        "min_curvature",
-        "closed_loop_radius",
-        "predicted_attitudes",
-        "predicted_momenta",
-        "predicted_torques",
-        # wall times: NaN where there is no deadline, or nothing came
-        "wall_solve_time",
-        "wall_latency",
-        "wall_deadline_slack",
-    }
+    # not known; no deadline, or nothing came
+    {"min_curvature", "closed_loop_radius", "wall_solve_time", "wall_latency"}
+    | {"wall_deadline_slack"}
 )
-_INFINITE: Final = frozenset({"margin"})
-"""GovernorStatus: infinite where nothing is predicted."""
+_INFINITE: Final = frozenset({"margin", "torque_margin"})
+"""Infinite where nothing is predicted (GovernorStatus), or without a limit (SolverStatus)."""
 _OF_A_SOLVE: Final = (
     "residual",
     "cost",
@@ -55,11 +41,11 @@ def require_finite(
         Naming topic (``where``), the first step, the field and the value.
     """
     for name, values in fields.items():
-        if values.dtype.kind != "f":
+        if values.dtype.kind != "f" or name in _ANY:
             continue
-        wrong = _wrong(name, values)
-        if name in _OF_A_SOLVE and "status" in fields:
-            wrong = ~np.isfinite(values) & _along(fields["status"] == _CONVERGED, values)
+        wrong = np.isnan(values) if name in _INFINITE else ~np.isfinite(values)
+        if name in _OF_A_SOLVE:
+            wrong &= _along(fields["status"] == _CONVERGED, values)
         rows = np.flatnonzero(wrong.any(axis=tuple(range(1, wrong.ndim))))
         if rows.size:
             row = rows[np.argmin(steps[rows])]
@@ -68,13 +54,6 @@ def require_finite(
                 f"{_first(values[row], wrong[row])}; required a finite number; the message was "
                 "recorded so: find what published it, and record again"
             )
-
-
-def _wrong(name: str, values: NDArray[Any]) -> NDArray[np.bool_]:
-    if name in _ANY:
-        return np.zeros(values.shape, dtype=bool)
-    wrong: NDArray[np.bool_] = np.isnan(values) if name in _INFINITE else ~np.isfinite(values)
-    return wrong
 
 
 def _along(rows: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[np.bool_]:

@@ -12,9 +12,11 @@ from mcap.reader import McapReader, make_reader
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording import BAG_FOLDER
 from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._metadata import METADATA_NAME
 from spacecraft_gnc.recording._scan import Progress, scan
+from spacecraft_gnc.recording._verify import verify
 from spacecraft_gnc.recording.recover import MAGIC, rewrite
 
 MCAP_SUFFIX: Final = ".mcap"
@@ -73,6 +75,18 @@ class Bag:
             with _damage(self.path):
                 yield from scan(file, topics, progress)
 
+    def verify(self, progress: Progress | None = None) -> None:
+        """Compare every checksum in the files with what they hold.
+
+        Raises
+        ------
+        RecordingError
+            If a byte has changed since the bag was recorded.
+        """
+        for file in self._files:
+            with _damage(self.path):
+                verify(file, progress)
+
     def type_hash(self, topic: str) -> str:
         """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""
         with _damage(self.path):
@@ -117,7 +131,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     Parameters
     ----------
     path
-        Bag folder or .mcap file.
+        Bag folder or .mcap file, or the folder of a run of ``gnc launch`` with a bag in it.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
 
@@ -126,7 +140,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     RecordingError
         If there is no bag, or it is empty, cut off, damaged or not of ROS 2.
     """
-    path = Path(path)
+    path = _bag_in(Path(path))
     with ExitStack() as stack:
         files = _storage_files(path)
         unfinished = _is_unfinished(path, files)
@@ -144,6 +158,13 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
         with _damage(path):
             reader = stack.enter_context(AnyReader([source]))
         yield Bag(path, reader, files, unfinished)
+
+
+def _bag_in(path: Path) -> Path:
+    """Return the bag in the folder of a run; any other path as it is."""
+    bag = path / BAG_FOLDER
+    is_bag = (path / METADATA_NAME).exists() or any(path.glob(f"*{MCAP_SUFFIX}"))
+    return bag if bag.is_dir() and not is_bag else path
 
 
 def _storage_files(path: Path) -> list[Path]:

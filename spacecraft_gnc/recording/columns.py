@@ -7,7 +7,7 @@ between runs, and players reorder equal stamps); the step that every message car
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._finite import require_finite
 from spacecraft_gnc.recording._layout import Group, decode
 from spacecraft_gnc.recording._scan import Progress
+from spacecraft_gnc.recording._seen import Seen
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.steps import UNIQUE, flight_topics
 from spacecraft_gnc.types import Array
@@ -44,12 +45,15 @@ class Columns:
         (m, longest), padded with NaN.
     repeats : int
         Messages of a step that had come before.
+    conflicts : tuple of int
+        Steps of those that were not the same message.
     """
 
     steps: NDArray[np.int64]
     stamps: Array
     fields: Mapping[str, NDArray[Any]]
     repeats: int = 0
+    conflicts: tuple[int, ...] = ()
 
     def missing(self, first: int, last: int) -> tuple[int, ...]:
         """Return the steps of ``first``..``last`` without a message."""
@@ -92,7 +96,7 @@ def read_columns(
     blocks: dict[str, list[Columns]] = {name: [] for name in names}
     for name, block in iter_columns(bag, names, namespace, progress):
         kept = {key: value for key, value in block.fields.items() if key not in leave_out}
-        blocks[name].append(Columns(block.steps, block.stamps, kept, block.repeats))
+        blocks[name].append(replace(block, fields=kept))
     return {name: _joined(parts) for name, parts in blocks.items()}
 
 
@@ -109,41 +113,15 @@ def iter_columns(
     """
     topics = flight_topics(bag, names, namespace)
     pending: dict[str, list[bytes]] = {topic: [] for topic in topics}
-    orders = {topic: _Order() for topic, name in topics.items() if name in UNIQUE}
+    seen = {topic: Seen(f"{bag.path}: {topic}", topics[topic] in UNIQUE) for topic in topics}
     for topic, data in bag.recorded(topics, progress):
         pending[topic].append(data)
         if len(pending[topic]) == _BLOCK:
-            yield topics[topic], _block(bag, topic, pending[topic], orders.get(topic))
+            yield topics[topic], _block(bag, topic, pending[topic], seen[topic])
             pending[topic] = []
     for topic, messages in pending.items():
         if messages:
-            yield topics[topic], _block(bag, topic, messages, orders.get(topic))
-
-
-@dataclass(slots=True)
-class _Order:
-    """What came so far of a topic whose messages exist once: another run shows as a difference."""
-
-    digests: dict[int, int] = field(default_factory=dict)
-    latest: int = -1
-
-    def check(self, bag: Bag, topic: str, steps: list[int], messages: list[bytes]) -> None:
-        """Refuse a step that came before with other content, or long before."""
-        for step, data in zip(steps, messages, strict=True):
-            digest = hash(data)
-            known = self.digests.get(step)
-            if known is None:
-                self.digests[step] = digest
-                self.latest = max(self.latest, step)
-                continue
-            found = f"two different messages of step {step}"
-            if known == digest:  # sent again, at once, because no answer had come
-                found = f"step {step} again after step {self.latest}"
-            if known != digest or step < self.latest - 1:
-                raise RecordingError(
-                    f"{bag.path}: {topic} holds {found}; required one run of one spacecraft; "
-                    "record each run into a bag of its own"
-                )
+            yield topics[topic], _block(bag, topic, messages, seen[topic])
 
 
 class _Decoded(NamedTuple):
@@ -155,7 +133,7 @@ class _Decoded(NamedTuple):
     fields: dict[str, NDArray[Any]]
 
 
-def _block(bag: Bag, topic: str, messages: list[bytes], order: _Order | None) -> Columns:
+def _block(bag: Bag, topic: str, messages: list[bytes], seen: Seen) -> Columns:
     """Decode messages, and keep the first of each step."""
     try:
         groups = [_decoded(group) for group in decode(bag.definitions, bag.topics[topic], messages)]
@@ -167,9 +145,8 @@ def _block(bag: Bag, topic: str, messages: list[bytes], order: _Order | None) ->
         _require_reachable(f"{bag.path}: {topic}", group.steps)
         require_finite(f"{bag.path}: {topic}", group.steps, group.fields)
     unsorted = _gathered(groups)
-    if order is not None:
-        order.check(bag, topic, unsorted.steps.tolist(), messages)
-    return _by_step(unsorted)
+    conflicts = seen.conflicts(unsorted.steps.tolist(), messages)
+    return _by_step(replace(unsorted, conflicts=conflicts))
 
 
 def _require_reachable(where: str, steps: NDArray[np.int64]) -> None:
@@ -229,7 +206,9 @@ def _joined(parts: list[Columns]) -> Columns:
     fields = {name: _stacked([part.fields[name] for part in parts]) for name in parts[0].fields}
     steps = np.concatenate([part.steps for part in parts])
     stamps = np.concatenate([part.stamps for part in parts])
-    return _by_step(Columns(steps, stamps, fields, sum(part.repeats for part in parts)))
+    repeats = sum(part.repeats for part in parts)
+    conflicts = tuple(step for part in parts for step in part.conflicts)
+    return _by_step(Columns(steps, stamps, fields, repeats, conflicts))
 
 
 def _by_step(columns: Columns) -> Columns:
@@ -239,4 +218,4 @@ def _by_step(columns: Columns) -> Columns:
         return columns
     fields = {name: values[first] for name, values in columns.fields.items()}
     repeats = columns.repeats + columns.steps.size - steps.size
-    return Columns(steps, columns.stamps[first], fields, repeats)
+    return Columns(steps, columns.stamps[first], fields, repeats, columns.conflicts)

@@ -92,6 +92,7 @@ class BagWriter:
             self._file,  # type: ignore[arg-type]  # it has all of IO that Writer uses
             chunk_size=2**62,  # chunks are closed here, by size and by age
             compression=CompressionType[compression.upper()],
+            enable_data_crcs=True,  # any byte that changes is found by `_verify`
         )
         with self._saving():
             self._mcap.start(profile="ros2", library=f"spacecraft_gnc {__version__}")

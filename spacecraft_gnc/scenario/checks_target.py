@@ -39,6 +39,7 @@ def check_target(checked: Checked) -> None:
     margin = checked.get(_GOVERNOR, "steady_margin_deg")
     if isinstance(margin, float):
         _check_references(checked, math.radians(margin))
+        _check_clearance(checked, margin)
     _check_momentum(checked)
     if checked.get(_CONTROLLER, "method") == "feedback":
         _check_feedback(checked)
@@ -88,6 +89,23 @@ def _references(checked: Checked) -> Iterator[tuple[str, Matrix3]]:
         attitude = attitude_of(checked, what)
         if attitude is not None and (what == "target" or initial == []):
             yield what, attitude
+
+
+def _check_clearance(checked: Checked, margin: float) -> None:
+    """Refuse intermediate references nearer to a zone than any reference may be."""
+    clearance = checked.get(_GOVERNOR, "route_clearance_deg")
+    if not (checked.get(_GOVERNOR, "route") and checked.get(_CONTROLLER, "zone_names")):
+        return
+    if isinstance(clearance, float) and clearance < margin:
+        need = f"at least {margin:g} deg (reference_governor.steady_margin_deg)"
+        remedy = "raise it, or lower steady_margin_deg"
+        name = "route_clearance_deg"
+        value = f"{clearance!r} deg"
+        if name not in checked.given.get(_GOVERNOR, {}):  # blame what was given
+            name, value = "steady_margin_deg", f"{margin!r} deg"
+            need = f"at most {clearance:g} deg (reference_governor.route_clearance_deg)"
+            remedy = "lower it, or raise route_clearance_deg"
+        checked.complain(_GOVERNOR, name, value, need, remedy)
 
 
 _PARAMETERS: Final = {

@@ -15,6 +15,7 @@ from spacecraft_gnc.scenario.problems import shown
 from spacecraft_gnc.types import Array, Matrix3
 
 _CONTROLLER: Final = "nmpc_controller"
+_GOVERNOR: Final = "reference_governor"
 _NEGLIGIBLE: Final = 1e-9
 """Share of the largest entry, or singular value, under which another counts as zero."""
 
@@ -102,17 +103,17 @@ def _check_reach(checked: Checked, gain: float) -> None:
     the file that the launcher saved of such a flight.
     """
     duration = checked.get("plant", "duration")
-    limit = checked.get(_CONTROLLER, "max_torque")
     cut = checked.is_laid_over("plant", "duration") or checked.get("launcher", "cut_short")
     if cut or not _steers(checked):
         return
     attitudes = attitude_of(checked, "start"), attitude_of(checked, "target")
     motion = _motion(checked)
-    if not (isinstance(duration, float) and isinstance(limit, float) and motion):
+    limits = _torque_limits(checked, gain)
+    if not (isinstance(duration, float) and limits and motion):
         return
-    torque = gain * limit
+    torque, limiting = min(limits)
     start, target = attitudes
-    if start is None or target is None or not torque > 0.0:
+    if start is None or target is None:
         return
     moment, momentum, period = motion
     angle = lie.angle_between(start, target)
@@ -123,8 +124,18 @@ def _check_reach(checked: Checked, gain: float) -> None:
             f"at least {soonest:.4g} s, the shortest time from {math.degrees(angle):.4g} deg and "
             f"|Pi| {momentum:g} N m s to rest at the target with {torque:g} N m at the most"
         )
-        remedy = "lengthen it, or raise nmpc_controller.max_torque"
+        remedy = f"lengthen it, or raise {limiting}"
         checked.complain("plant", "duration", f"{duration!r} s", need, remedy)
+
+
+def _torque_limits(checked: Checked, gain: float) -> list[tuple[float, str]]:
+    """Return each limit on |torque| [N m] that is kept, with the parameter that sets it."""
+    own = checked.get(_CONTROLLER, "max_torque")
+    limits = [(gain * own, f"{_CONTROLLER}.max_torque")] if isinstance(own, float) else []
+    kept = checked.get(_GOVERNOR, "max_torque")
+    if checked.get(_GOVERNOR, "governor") == "attitude" and isinstance(kept, float):
+        limits.append((kept, f"{_GOVERNOR}.max_torque"))
+    return [limit for limit in limits if limit[0] > 0.0]
 
 
 def _motion(checked: Checked) -> tuple[float, float, float] | None:

@@ -11,7 +11,7 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, ParameterSpec, Value
 from spacecraft_gnc.scenario.problems import shown, suggestion
 from spacecraft_gnc.scenario.yaml_scalar import emit, parse_plain
-from spacecraft_gnc.types import as_inertia, as_semidefinite
+from spacecraft_gnc.types import as_inertia, as_semidefinite, as_symmetric
 
 _ELEMENT: Final = {
     Kind.BOOL_ARRAY: Kind.BOOL,
@@ -20,6 +20,11 @@ _ELEMENT: Final = {
     Kind.STRING_ARRAY: Kind.STRING,
 }
 _TYPES: Final = {Kind.BOOL: bool, Kind.INTEGER: int, Kind.DOUBLE: float, Kind.STRING: str}
+_MATRIX_CHECKS: Final = {
+    MatrixRule.INERTIA: as_inertia,
+    MatrixRule.SEMIDEFINITE: as_semidefinite,
+    MatrixRule.DEFINITE: as_symmetric,  # and its eigenvalues in `_check_vector`
+}
 _TYPE_NAMES: Final = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
 
 
@@ -174,7 +179,7 @@ def _check_vector(spec: ParameterSpec, value: list[Any]) -> None:
         )
     if spec.matrix is MatrixRule.NONE:
         return
-    check = as_inertia if spec.matrix is MatrixRule.INERTIA else as_semidefinite
+    check = _MATRIX_CHECKS[spec.matrix]
     try:
         with np.errstate(over="ignore"):  # numbers near 1e308 fail the check, not the arithmetic
             matrix = check("value", value)

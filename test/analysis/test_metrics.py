@@ -160,9 +160,18 @@ def test_a_reference_on_its_way_is_no_target():
     assert (metrics["error_to"], metrics["alpha_one_time"]) == ("target", None)
     assert metrics["final_error_deg"] == pytest.approx(2.0)
     assert metrics["settle_time_5deg"] == pytest.approx(2 * PERIOD)
+    assert metrics["final_reference_error_deg"] == pytest.approx(2.0)
     unknown = summarize(flight)  # the target, without the scenario
+    assert unknown["final_reference_error_deg"] is None
     assert (unknown["error_to"], unknown["alpha_one_time"]) == ("reference", None)
     assert unknown["min_governor_margin"] == pytest.approx(0.01)
+
+
+def test_steps_at_which_not_even_the_held_reference_is_admissible_are_counted():
+    margin = np.array([0.02, -1e-9, np.nan, -0.1])
+    flight = governed([8.0, 4.0, 2.0, 2.0], [0.5, 0.0, 0.0, 0.0], governor_margin=margin)
+    assert summarize(flight, scenario())["inadmissible_steps"] == 2
+    assert summarize(at_rest(), scenario())["inadmissible_steps"] == 0
 
 
 def test_a_target_commanded_in_flight_is_seen_once_it_is_reached():

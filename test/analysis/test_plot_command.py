@@ -82,3 +82,16 @@ def test_what_is_missing_is_a_warning_on_stderr(tmp_path, capsys):
     assert "warning: " in captured.err
     assert "attitude_reference lacks step 2" in captured.err
     assert np.all([line.endswith(".svg") for line in captured.out.split()])
+
+
+@pytest.mark.parametrize("named", ["case1-1", "case1-1/bag"])
+def test_the_folder_of_a_run_is_as_good_as_its_bag(tmp_path, capsys, monkeypatch, named):
+    from recording.bags import flight_messages, random_flight, record
+
+    (tmp_path / "case1-1").mkdir()
+    (tmp_path / "case1-1" / "scenario.yaml").write_text("")
+    record(tmp_path / "case1-1" / "bag", flight_messages(random_flight(5)))
+    monkeypatch.chdir(tmp_path)
+    assert run(named, "-f", "svg") == 0
+    printed = capsys.readouterr().out.split()
+    assert {line.rpartition("/")[0] for line in printed} == {"case1-1-figures"}

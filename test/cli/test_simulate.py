@@ -18,7 +18,9 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
 from spacecraft_gnc.scenario import load
 
-CASE_1 = str(Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml")
+CONFIG = Path(__file__).resolve().parents[2] / "config"
+CASE_1 = str(CONFIG / "gupta2015_case1.yaml")
+GOVERNED = str(CONFIG / "kalabic2014_governor.yaml")
 SHORT = ("--set", "plant.duration=4")
 
 
@@ -36,6 +38,16 @@ def test_check_says_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
     assert "42.97 deg from the target" in out
     assert "horizon 5 steps" in out
     assert "0.01 N m" in out
+
+
+def test_check_names_what_a_method_has_and_what_a_governor_keeps(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    code, out, err = run(capsys, "check", GOVERNED)
+    assert (code, err) == (0, "")
+    rows = {line[2:16].strip(): line[16:] for line in out.splitlines()[1:]}
+    assert rows["controller"] == "feedback"
+    assert rows["governor"] == "attitude, torque limit 0.02 N m"
 
 
 def test_check_as_json(capsys: pytest.CaptureFixture[str]) -> None:
@@ -98,6 +110,15 @@ def test_the_summary_tells_of_a_standstill() -> None:
     rows = dict(module.summary_rows({**metrics, "stalled_steps": 3, "escaping_steps": 2}))
     assert rows["steps at a standstill"].startswith("3,")
     assert rows["steps leaving one"].startswith("2,")
+
+
+def test_the_summary_tells_where_a_governor_stopped_and_what_it_could_not_keep() -> None:
+    changes = {"reference_governor.max_torque": 0.003, "plant.duration": 2.0}
+    metrics = summarize(load(GOVERNED, changes).build().run(), load(GOVERNED, changes))
+    rows = module.summary_rows({**metrics, "inadmissible_steps": 3})
+    assert dict(rows)["whole way allowed"].startswith("never, reference 5")
+    assert ("warning", "no reference was admissible at 3 of 20 steps") in rows
+    assert "warning" not in dict(module.summary_rows(metrics))
 
 
 def test_quietly(capsys: pytest.CaptureFixture[str]) -> None:

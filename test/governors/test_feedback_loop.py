@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +19,11 @@ from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.loop import State
+from spacecraft_gnc.scenario import load
 
 FREE = ReferenceSet()
 STEADY = math.radians(0.1)
+CONFIG = Path(__file__).resolve().parents[2] / "config" / "kalabic2014_governor.yaml"
 
 
 def flown(feedback, body, substeps, state, reference, n):
@@ -141,3 +144,16 @@ def test_a_loop_that_its_sampling_makes_unstable_is_refused():
     harsh = AttitudeFeedback(0.1, 40.0, INERTIA)
     with pytest.raises(ParameterError, match=r"spectral radius 2\..* required less than 1"):
         FeedbackPredictor(harsh, H, 1, FREE)
+
+
+def test_the_body_flown_ahead_is_the_plants_whatever_the_controller_believes():
+    """The gains are given, so the belief changes neither the law nor the loop."""
+    believed = {"inertia": (2.0 * INERTIA).ravel().tolist()}
+    flights = [
+        load(CONFIG, {"plant.duration": 10.0, **{f"nmpc_controller.{k}": v for k, v in c.items()}})
+        for c in ({}, believed)
+    ]
+    right, wrong = (scenario.build().run() for scenario in flights)
+    assert np.array_equal(right.torque, wrong.torque)
+    assert np.array_equal(right.reference, wrong.reference)
+    assert np.linalg.norm(wrong.torque, axis=1).max() <= 0.02

@@ -65,6 +65,7 @@ def test_a_reference_that_cannot_be_held_is_told_once_an_episode(flown: Flown) -
     trouble = flown.look(30.0, admissible=False)
     assert trouble is not None
     assert trouble.text.startswith("no reference keeps every constraint, not even the last one")
+    assert trouble.text.endswith(": star, margin 0.01 rad (step 0)")
     assert trouble.values["trouble"] == "inadmissible"
     for _ in range(PATIENCE):  # an episode that flickers is one
         assert flown.look(30.0, admissible=False) is None

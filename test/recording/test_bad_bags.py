@@ -131,7 +131,7 @@ def test_a_bag_of_another_version_of_the_messages(tmp_path):
     with BagWriter(tmp_path / "bag") as bag:
         bag.add_topic("/attitude_state", STATE_TYPE, "uint64 count\n")
         bag.write("/attitude_state", 0, 0, b"\0\1\0\0" + bytes(8))
-    refused(tmp_path / "bag", "has no field step; required this package's version")
+    refused(tmp_path / "bag", "with type hash RIHS01_5a90.*; required RIHS01_1e88")
 
 
 def test_a_definition_that_does_not_fit_its_hash(tmp_path):

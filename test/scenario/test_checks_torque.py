@@ -128,6 +128,18 @@ def test_an_override_is_held_against_the_duration_of_the_file(tmp_path) -> None:
     assert load(path, ["nmpc_controller.max_torque=0.0"]).controller.max_torque == 0.0
 
 
+def test_the_limit_of_the_governor_counts_too(tmp_path) -> None:
+    path = from_file(tmp_path, "duration: 20.0", "    method: feedback\n")
+    governed = ["reference_governor.governor=attitude", "reference_governor.max_torque=0.01"]
+    message = r"at least 22\.42 s.*0\.01 N m at the most; .* raise reference_governor\.max_torque"
+    with pytest.raises(InvalidScenario, match=message):
+        load(path, governed)
+    with pytest.raises(InvalidScenario, match=message):
+        load(path, [*governed, "nmpc_controller.max_torque=0.0"])
+    governed[1] = "reference_governor.max_torque=0.0"
+    assert load(path, governed).controller.max_torque == 0.02
+
+
 def built(**controller: object) -> Scenario:
     return from_sections({"plant": {"inertia": INERTIA}, "nmpc_controller": controller})
 

@@ -1,0 +1,144 @@
+"""How long `gnc audit` takes, and how much memory: a bag of 375 steps, and one of 100,000.
+
+    python benchmarks/audit.py [--steps 375 100000] [--runs 3] [--folder FOLDER] [--scenario FILE]
+
+The flight is that of a scenario, flown by the cores as `gnc simulate` does and as long as asked;
+its messages are serialized by the nodes' own encoders and recorded by their own writer. The audit
+runs in a process of its own: the time is that of the whole command, imports included, and the
+memory the largest resident set that the system counts. Needs the messages built (`make setup`).
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Plant, Source
+from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes import _topics as topics
+from spacecraft_gnc.nodes._bag_topics import announce
+from spacecraft_gnc.nodes._status import GovernorStatusEncoder, SolverStatusEncoder
+from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.scenario import Scenario, load
+from spacecraft_gnc.types import Vector3
+
+CASE = Path(__file__).parents[1] / "config" / "gupta2015_case1.yaml"
+RECORDED = (
+    topics.STATE,
+    topics.INVARIANTS,
+    topics.REFERENCE,
+    topics.GOVERNOR_STATUS,
+    topics.TORQUE,
+    topics.SOLVER_STATUS,
+)
+MIB = 1024.0  # KiB
+
+
+class Recording:
+    """The messages of a flight on their way into a bag."""
+
+    def __init__(self, bag: BagWriter, scenario: Scenario) -> None:
+        self._bag = bag
+        self._period_ns = convert.period_ns(scenario.period)
+        self._governor = GovernorStatusEncoder()
+        self._solver = SolverStatusEncoder(scenario.controller.method, scenario.controller.horizon)
+        for topic in RECORDED:
+            announce(bag, f"/{topic.name}", topic)
+
+    def _write(self, messages: Mapping[str, bytes], stamp: convert.Stamp) -> None:
+        log_time = stamp[0] * 1_000_000_000 + stamp[1]
+        for topic, data in messages.items():
+            self._bag.write(f"/{topic}", log_time, log_time, data)
+
+    def state(self, plant: Plant, applied: tuple[Vector3, Source]) -> None:
+        """Record what the plant publishes."""
+        stamp, state = convert.stamp_of(plant.state.step, self._period_ns), plant.state
+        told = convert.encode_invariants(stamp, state.step, plant.invariants(), applied)
+        said = convert.encode_state(stamp, state, plant.angular_velocity())
+        self._write({topics.STATE.name: said, topics.INVARIANTS.name: told}, stamp)
+
+    def answers(self, step: int, decision: GovernorDecision, command: Command) -> None:
+        """Record what governor and controller publish."""
+        stamp = convert.stamp_of(step, self._period_ns)
+        messages = {
+            topics.REFERENCE.name: convert.encode_reference(stamp, step, decision.reference),
+            topics.GOVERNOR_STATUS.name: self._governor.encode(stamp, step, decision),
+            topics.TORQUE.name: convert.encode_torque(stamp, step, command),
+            topics.SOLVER_STATUS.name: self._solver.encode(stamp, step, command, (1e-4, np.nan)),
+        }
+        self._write(messages, stamp)
+
+
+def make_bag(folder: Path, file: Path, steps: int) -> Path:
+    """Fly a scenario for so many steps, and record it."""
+    period = load(file).period
+    scenario = load(file, [f"plant.duration={steps * period!r}"])
+    loop = scenario.build()
+    for core in (loop.plant, loop.controller, loop.governor):
+        core.warm_up()
+        core.reset()
+    with BagWriter(folder / "bag") as bag:
+        bag.attach("scenario.yaml", "application/yaml", scenario.to_yaml().encode())
+        recording = Recording(bag, scenario)
+        applied = (np.zeros(3), Source.ZERO)
+        for step in range(steps):
+            state = loop.plant.state
+            recording.state(loop.plant, applied)
+            decision = loop.governor.decide(state)
+            command = loop.controller.command(state, decision.reference)
+            recording.answers(step, decision, command)
+            applied = (command.torque, command.source)
+            loop.plant.step(command.torque)
+        recording.state(loop.plant, applied)
+    return folder / "bag"
+
+
+def measure(bag: Path) -> tuple[float, float]:
+    """Audit a bag in a process of its own; return seconds and MiB."""
+    command = [sys.executable, "-m", "spacecraft_gnc", "audit", str(bag), "--quiet"]
+    started = time.perf_counter()
+    process = subprocess.Popen(command, cwd=CASE.parents[1])
+    _, status, usage = os.wait4(process.pid, 0)
+    seconds = time.perf_counter() - started
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode != 0:
+        raise SystemExit(f"{bag}: the audit ended with {process.returncode}; required 0")
+    return seconds, usage.ru_maxrss / MIB
+
+
+def main() -> None:
+    """Print a line for each length."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--steps", type=int, nargs="+", default=[375, 100_000])
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--scenario", type=Path, default=CASE)
+    parser.add_argument("--folder", type=Path, help="where the bags are made and left")
+    options = parser.parse_args()
+    with TemporaryDirectory(prefix="gnc_audit_") as temporary:
+        for steps in options.steps:
+            folder = (options.folder or Path(temporary)) / str(steps)
+            if not folder.exists():
+                make_bag(folder, options.scenario, steps)
+            size = sum(file.stat().st_size for file in folder.rglob("*.mcap")) / MIB**2
+            runs = [measure(folder / "bag") for _ in range(options.runs)]
+            seconds, memory = (min(values) for values in zip(*runs, strict=True))
+            print(
+                f"{steps:7d} steps, {size:7.1f} MiB: {seconds:6.2f} s, {memory:6.0f} MiB "
+                f"(best of {options.runs})",
+                flush=True,
+            )
+            if options.folder is None:
+                shutil.rmtree(folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""A bag audited: integrated again, and every command certified afresh."""

@@ -1,0 +1,192 @@
+"""Kernels of the audit: steps of the integrator, and plans certified afresh, many in one call.
+
+They share the stage quantities and the costate sweep with the solvers, not Newton's method: what a
+plan is worth is worked out from the numbers of the plan alone.
+"""
+
+from __future__ import annotations
+
+import math
+
+from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc.dynamics._lgvi_kernels import (
+    body_nonstandard_inertia,
+    held,
+    relative_quaternion,
+    rotate_back,
+    rotate_rows,
+)
+from spacecraft_gnc.lie._mat3_kernels import (
+    add,
+    dot,
+    load3,
+    load9,
+    load9_rows,
+    scale,
+    store3,
+    store9,
+)
+from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, LOG_FORM, M_U, MU0, P_LOG, H
+from spacecraft_gnc.ocp._stage_kernels import SIGMA_AT, Z_AT, horizon_cost, squared_control
+from spacecraft_gnc.ocp._sweep_kernels import (
+    factorize,
+    smallest_pivot,
+    store_stage,
+    sweep_costates,
+)
+from spacecraft_gnc.ocp._terminal_kernels import set_track
+
+STATUS, ATTITUDE_DEFECT, MOMENTUM_DEFECT, RESIDUAL, RADIUS_DEFECT, COST, LARGEST, CURVATURE = range(
+    8
+)
+MULTIPLIER, FIRST_DEFECT, NUMBERS = 8, 9, 10
+ON_LIMIT = 1e-12
+"""Relative distance of |u|^2 from its bound within which the bound counts as touched."""
+
+
+@kernel
+def resume(body, h, substeps, attitudes, momenta, torques, next_attitudes, next_momenta):
+    """Advance every state (m) by one control step of its torque; returns the first without one."""
+    for i in range(momenta.shape[0]):
+        R, Pi, done = held(
+            body, h, load9(attitudes, i), load3(momenta, i), load3(torques, i), substeps
+        )
+        if done != substeps:
+            return i
+        store9(next_attitudes, i, R)
+        store3(next_momenta, i, Pi)
+    return momenta.shape[0]
+
+
+@kernel
+def _distance9(A, B):
+    """Largest difference of two matrices; infinite where a number is not finite."""
+    largest = 0.0
+    for i in range(9):
+        d = abs(A[i] - B[i])
+        largest = max(largest, d) if math.isfinite(d) else math.inf
+    return largest
+
+
+@kernel
+def _distance3(a, b):
+    """Largest difference of two vectors; infinite where a number is not finite."""
+    largest = 0.0
+    for i in range(3):
+        d = abs(a[i] - b[i])
+        largest = max(largest, d) if math.isfinite(d) else math.inf
+    return largest
+
+
+@kernel
+def _fill(body, data, R, Pi, u, z, W, numbers):
+    """Fill the stages of W from a plan, and compare each of its states with the step before."""
+    h, Jd = data[H], body_nonstandard_inertia(body)
+    for k in range(z.shape[0]):
+        q0, q, ok = relative_quaternion(body, h, load3(Pi, k))
+        if not ok:
+            return False
+        p = rotate_back(q0, q, load3(Pi, k))
+        store_stage(h, Jd, W, k, q0, q, p)
+        for i in range(z.shape[1]):
+            W[k, Z_AT + i] = z[k, i]
+        turned = _distance9(rotate_rows(q0, q, load9(R, k)), load9(R, k + 1))
+        pushed = _distance3(add(p, scale(h, load3(u, k))), load3(Pi, k + 1))
+        numbers[ATTITUDE_DEFECT] = max(numbers[ATTITUDE_DEFECT], turned)
+        at = FIRST_DEFECT if k == 0 else MOMENTUM_DEFECT
+        numbers[at] = max(numbers[at], pushed)
+    return True
+
+
+@kernel
+def _pull(data, lam2, i):
+    """Component i of B^T lam2 along the eigenvectors of the control weight."""
+    g = D_U + int(data[M_U]) + 3 * i
+    return data[g] * lam2[0] + data[g + 1] * lam2[1] + data[g + 2] * lam2[2]
+
+
+@kernel
+def _conditions(data, lam, W, back, numbers):
+    """Sum the squares of what (38) leaves at each stage, in the units of lam; set sigma in W.
+
+    sigma is fitted where the limit is touched, since |u|^2 - max_torque^2 of rounded numbers has
+    lost it; how far |u| is from what that sigma says is kept apart.
+    """
+    m, alpha = int(data[M_U]), data[ALPHA]
+    total = 0.0
+    for k in range(W.shape[0]):
+        l2, zz, sigma = load3(lam, k, 3), squared_control(W, k), 0.0
+        if alpha > 0.0 and zz >= alpha * (1.0 - ON_LIMIT):
+            for i in range(m):
+                z = W[k, Z_AT + i]
+                sigma += z * (_pull(data, l2, i) - data[D_U + i] * z)
+            sigma = max(0.0, sigma / zz)
+            bound = math.sqrt(alpha + sigma / (2.0 * data[MU0]))
+            off = math.sqrt(zz) - bound
+            if sigma > 0.0 or off > 0.0:
+                numbers[RADIUS_DEFECT] = max(numbers[RADIUS_DEFECT], abs(off))
+        W[k, SIGMA_AT] = sigma
+        r = (0.0, 0.0, 0.0)
+        for i in range(m):
+            left = _pull(data, l2, i) - (data[D_U + i] + sigma) * W[k, Z_AT + i]
+            r = add(r, scale(left, load3(back, i)))
+        total += dot(r, r)
+        numbers[LARGEST] = max(numbers[LARGEST], zz)
+    return math.sqrt(total)
+
+
+@kernel
+def _multiplier(data, zones, track, R, Pi, W, lam, other, claimed):
+    """Multiplier nu of the terminal set from the first costate, linear in it; ``data`` has nu = 0.
+
+    ``lam`` and ``other`` come back as the costates for nu = 0 and 1; ``data`` with (1 + nu) F.
+    """
+    sweep_costates(data, zones, track, R, Pi, lam, W)
+    for i in range(36):
+        data[P_LOG + i] *= 2.0
+    sweep_costates(data, zones, track, R, Pi, other, W)
+    along, square = 0.0, 0.0
+    for i in range(6):
+        slope = other[0, i] - lam[0, i]
+        along += slope * (claimed[i] - lam[0, i])
+        square += slope * slope
+    nu = along / square if square > 0.0 else 0.0
+    for i in range(36):
+        data[P_LOG + i] *= 0.5 * (1.0 + nu)
+    return nu
+
+
+@kernel
+def certify(
+    body, problem, zones, references, attitudes, momenta, torques, controls, costates,
+    back, has_set, lam, W, fac, track, data, numbers,
+):  # fmt: skip
+    """Work out afresh what each plan is worth: a row of ``numbers`` (m, NUMBERS) each.
+
+    Plans are (m, N+1, 3, 3), (m, N+1, 3), (m, N, 3) with controls (m, N, n) in the eigenvectors of
+    their weight; ``references`` (m, 3, 3); ``costates`` (m, 6) come in as claimed and go out as
+    found. ``back`` (n, 3) is the pseudo-inverse of G. ``lam`` (2, N, 6) and what follows is work
+    space.
+    """
+    for j in range(numbers.shape[0]):
+        n = numbers[j]
+        for i in range(NUMBERS):
+            n[i] = 0.0
+        for i in range(data.shape[0]):
+            data[i] = problem[i]
+        R, Pi = attitudes[j], momenta[j]
+        if not _fill(body, data, R, Pi, torques[j], controls[j], W, n):
+            n[STATUS] = 1.0
+            continue
+        set_track(data, load9_rows(references[j], 0), track)
+        if has_set:
+            n[MULTIPLIER] = _multiplier(data, zones, track, R, Pi, W, lam[0], lam[1], costates[j])
+        sweep_costates(data, zones, track, R, Pi, lam[0], W)
+        n[RESIDUAL] = _conditions(data, lam[0], W, back, n)
+        for i in range(6):
+            costates[j, i] = lam[0, 0, i]
+        # the published cost leaves the multiplier's share out
+        weighted = data[LOG_FORM] > 0.0 and n[MULTIPLIER] != 0.0
+        n[COST] = horizon_cost(problem if weighted else data, zones, track, R, Pi, W)
+        factorize(body, data, zones, track, R, Pi, lam[0], W, fac, 0.0, False)
+        n[CURVATURE] = smallest_pivot(data[H], fac)

@@ -1,0 +1,126 @@
+"""What an audit starts from: the recorded topics by step, and the scenario that flew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording.bag import Bag
+from spacecraft_gnc.recording.columns import Columns, iter_columns, read_columns
+from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, parse_scenario
+from spacecraft_gnc.recording.steps import (
+    GOVERNOR_STATUS,
+    INVARIANTS,
+    REFERENCE,
+    SOLVER_STATUS,
+    STATE,
+    TORQUE,
+    WALL_TIMING,
+)
+from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.types import Array
+
+PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
+KEPT: Final = (STATE, INVARIANTS, REFERENCE, GOVERNOR_STATUS, TORQUE, WALL_TIMING)
+LEADING: Final = (STATE, INVARIANTS)
+"""Topics that tell of the end of the last step, too."""
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """A recorded flight, read for an audit.
+
+    Attributes
+    ----------
+    path
+        The bag.
+    scenario
+        What flew, as recorded.
+    columns
+        Every topic but the plans of the solver, which `plans` yields.
+    n
+        Control steps flown.
+    unfinished
+        Whether a flight that stopped early is accepted as far as it goes.
+    """
+
+    path: Path
+    scenario: Scenario
+    columns: dict[str, Columns]
+    n: int
+    unfinished: bool
+    bag: Bag
+    namespace: str | None
+
+    def rows(self, topic: str, name: str, steps: NDArray[np.int64]) -> Array:
+        """Return values of a field (m, ...) at steps (m,); NaN where one was not recorded."""
+        columns = self.columns[topic]
+        values = columns.fields[name]
+        found = np.full((len(steps), *values.shape[1:]), np.nan)
+        places = np.searchsorted(columns.steps, steps)
+        there = places < columns.steps.size
+        there[there] = columns.steps[places[there]] == steps[there]
+        found[there] = values[places[there]]
+        return found
+
+    def common(self, *topics: str) -> NDArray[np.int64]:
+        """Return the steps that all of these topics hold."""
+        steps = self.columns[topics[0]].steps
+        for topic in topics[1:]:
+            steps = np.intersect1d(steps, self.columns[topic].steps, assume_unique=True)
+        return steps
+
+    def solves(self, progress: Progress | None = None) -> Iterator[Columns]:
+        """Yield the solver's messages, some thousand at a time."""
+        for _, block in iter_columns(self.bag, [SOLVER_STATUS], self.namespace, progress):
+            yield block
+
+
+def read_evidence(bag: Bag, namespace: str | None, progress: Progress | None) -> Evidence:
+    """Read what an audit needs, but for the plans.
+
+    Raises
+    ------
+    RecordingError
+        If the bag is no flight of one spacecraft, or holds no scenario that this version reads.
+    """
+    columns = read_columns(bag, [*KEPT, SOLVER_STATUS], namespace, progress, leave_out=PLANS)
+    text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
+    scenario, problem = parse_scenario(text, bag.path)
+    if scenario is None:
+        reason = problem or "none is attached"
+        raise RecordingError(
+            f"{bag.path}: received no scenario to audit by ({reason}); required the attachment "
+            f"{SCENARIO_ATTACHMENT} of `gnc launch`, in this version's form; read it with the "
+            "version that flew"
+        )
+    n = _flown(bag, columns)
+    return Evidence(bag.path, scenario, columns, n, bag.unfinished, bag, namespace)
+
+
+def _flown(bag: Bag, columns: dict[str, Columns]) -> int:
+    """Return the control steps flown: up to the last message, or the last state of a cut bag.
+
+    The governor answers the last state, too, of which no control step starts.
+    """
+    states = columns[STATE].steps
+    others = [
+        columns[topic].steps[-1] + (topic not in LEADING)
+        for topic in (INVARIANTS, TORQUE, SOLVER_STATUS)
+        if columns[topic].steps.size and not bag.unfinished
+    ]
+    n = int(max([states[-1], *others])) if states.size else 0
+    if n < 1 or n > 1000 * states.size:
+        raise RecordingError(
+            f"{bag.path}: received {states.size} states and messages up to step {n}; required at "
+            "least one whole control step, and a state at least every 1000; record a longer run"
+        )
+    return n

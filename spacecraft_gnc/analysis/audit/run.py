@@ -1,0 +1,135 @@
+"""The audit of a bag, from the file to the table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from spacecraft_gnc.analysis.audit.evidence import Evidence, Progress, read_evidence
+from spacecraft_gnc.analysis.audit.ledger import Check, Difference, Ledger
+from spacecraft_gnc.analysis.audit.motion import audit_motion
+from spacecraft_gnc.analysis.audit.order import audit_order
+from spacecraft_gnc.analysis.audit.plans import Certifier
+from spacecraft_gnc.analysis.audit.references import audit_references
+from spacecraft_gnc.analysis.audit.rungs import LAW, NO_SOLVE, audit_law
+from spacecraft_gnc.analysis.audit.solver import SolverAudit
+from spacecraft_gnc.analysis.audit.torques import audit_torques, held_steps
+from spacecraft_gnc.recording.bag import open_bag
+from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
+
+FEEDBACK: Final = "feedback"
+
+
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """What an audit found.
+
+    Attributes
+    ----------
+    path
+        The bag.
+    steps
+        Control steps flown.
+    checks
+        The lines of the table.
+    first
+        The check, step and field that differ first; None where the bag holds what it says.
+    """
+
+    path: Path
+    steps: int
+    checks: tuple[Check, ...]
+    first: tuple[Check, Difference] | None
+
+    @property
+    def passed(self) -> bool:
+        """Whether no check failed."""
+        return self.first is None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the audit as a JSON-able mapping."""
+        found: dict[str, Any] | None = None
+        if self.first is not None:
+            check, difference = self.first
+            found = {"check": check.name, **difference._asdict()}
+        return {
+            "bag": str(self.path),
+            "steps": self.steps,
+            "passed": self.passed,
+            "first": found,
+            "checks": [check.as_dict() for check in self.checks],
+        }
+
+
+def audit_bag(
+    path: Path | str,
+    *,
+    tolerance: float | None = None,
+    namespace: str | None = None,
+    allow_unfinished: bool = False,
+    progress: Callable[[str], Progress | None] | None = None,
+) -> Audit:
+    """Audit the flight in a bag.
+
+    Parameters
+    ----------
+    path
+        Bag folder or .mcap file.
+    tolerance
+        What the motion may differ from the integrator's, as a share of each field's largest
+        magnitude; None: not in a bit.
+    namespace
+        Of the spacecraft, where the bag holds several.
+    allow_unfinished
+        Audit what is whole of a bag that was cut off, or of a flight that was stopped.
+    progress
+        Returns, for the name of a part of the work, what is called with its progress.
+
+    Raises
+    ------
+    RecordingError
+        If there is no readable bag, no flight of one spacecraft in it, or no scenario.
+    """
+    watch = progress or (lambda _: None)
+    ledger = Ledger()
+    with open_bag(path, allow_unfinished=allow_unfinished) as bag:
+        bag.verify(watch("checksums"))
+        evidence = read_evidence(bag, namespace, watch("reading"))
+        held = held_steps(evidence)
+        audit_order(evidence, ledger, held, allow_unfinished)
+        plant = evidence.scenario.build_plant()
+        audit_motion(evidence, plant, ledger, tolerance, watch("integrating"))
+        audit_references(evidence, ledger, watch("following the reference"))
+        _audit_solves(evidence, ledger, watch("certifying"))
+        audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
+    return Audit(Path(path), evidence.n, tuple(ledger.checks.values()), ledger.first)
+
+
+def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None) -> None:
+    """Certify plans, and have the laws that make none give their commands once more."""
+    scenario = evidence.scenario
+    certifier, method = Certifier.from_scenario(scenario), scenario.controller.method
+    if not evidence.columns[SOLVER_STATUS].steps.size:
+        ledger.skip("plans of the solver", "solver_status was not recorded")
+        return
+    if certifier is not None:
+        solver = SolverAudit(evidence, certifier, ledger)
+        for block in evidence.solves(progress):
+            solver.audit(block)
+    else:
+        ledger.skip("plans of the solver", f"method {method} makes none that is known here")
+    if method != FEEDBACK and (certifier is None or not certifier.has_law):
+        if certifier is None:
+            ledger.skip(LAW, f"method {method} is a plug-in's, which may remember its past")
+        return
+    solves = evidence.columns[SOLVER_STATUS]
+    steps = solves.steps[(solves.fields["status"] == NO_SOLVE) & (solves.steps < evidence.n)]
+    for topic in (STATE, REFERENCE, TORQUE):
+        steps = np.intersect1d(steps, evidence.columns[topic].steps)
+    controller = scenario.build_controller()
+    controller.warm_up()
+    audit_law(evidence, controller, steps, ledger)

@@ -1,0 +1,169 @@
+"""Bags of real flights, made without ROS: the cores fly, rosbags serializes, our writer records."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap.reader import make_reader
+from recording.bags import CODEC, announce
+
+from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.scenario.scenario import sections_to_yaml
+
+SECTIONS: dict[str, dict[str, Any]] = {
+    "plant": {
+        "inertia": [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8],
+        "time_step": 0.4,
+        "duration": 4.8,
+        "initial_rotation_vector": [0.25, 0.5, 0.5],
+        "initial_momentum": [0.01, 0.0, -0.02],
+    },
+    "nmpc_controller": {"max_torque": 0.01},
+}
+"""Twelve steps of Case I of Gupta et al. 2015, moving from the start."""
+
+
+def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return those sections with some values changed, by the name of the section."""
+    merged = copy.deepcopy(SECTIONS)
+    for name, values in changes.items():
+        merged.setdefault(name, {}).update(values)
+    return merged
+
+
+def fly(folder: Path, flown: Mapping[str, Mapping[str, Any]] = SECTIONS) -> Path:
+    """Fly a scenario and record it as the nodes would; return the bag."""
+    scenario = from_sections(flown)
+    with BagWriter(folder / "bag") as bag:
+        announce(bag)
+        bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(flown).encode())
+        recorder = _Recorder(bag, scenario.period)
+        loop = scenario.build()
+        for core in (loop.plant, loop.controller, loop.governor):
+            core.reset()
+        state, applied, source = loop.plant.state, np.zeros(3), Source.ZERO
+        for k in range(loop.plant.n_steps + 1):
+            recorder.state(k, loop.plant, applied, source)
+            if k == loop.plant.n_steps:
+                break
+            decision = loop.governor.decide(state)
+            recorder.decision(k, decision)
+            command = loop.controller.command(state, decision.reference)
+            recorder.command(k, command, loop.controller.name)
+            applied, source = command.torque, command.source
+            state = loop.plant.step(applied)
+    return folder / "bag"
+
+
+class _Recorder:
+    """Writes what the nodes publish of a step."""
+
+    def __init__(self, bag: BagWriter, period: float) -> None:
+        self._bag = bag
+        self._period_ns = round(period * 1e9)
+
+    def _write(self, topic: str, name: str, step: int, frame: str, **values: Any) -> None:
+        stamp = step * self._period_ns
+        header = CODEC.header(step, frame, stamp_ns=stamp)
+        data = CODEC.dump(name, header=header, step=step, **values)
+        self._bag.write(f"/{topic}", stamp, stamp, data)
+
+    def state(self, k: int, plant: Any, applied: Any, source: int) -> None:
+        state = plant.state
+        self._write(
+            "attitude_state", "AttitudeState", k, "inertial",
+            attitude=state.attitude.ravel(),
+            orientation=CODEC.quaternion(state.attitude),
+            angular_momentum=CODEC.vector(state.momentum),
+            angular_velocity=CODEC.vector(plant.angular_velocity()),
+        )  # fmt: skip
+        energy, momentum, defect = plant.invariants()
+        self._write(
+            "plant_invariants", "PlantInvariants", k, "inertial",
+            kinetic_energy=energy,
+            inertial_momentum=CODEC.vector(momentum),
+            orthogonality_error=defect,
+            applied_torque=CODEC.vector(applied),
+            applied_source=int(source),
+        )  # fmt: skip
+
+    def decision(self, k: int, decision: Any) -> None:
+        attitude = decision.reference.attitude
+        self._write(
+            "attitude_reference", "AttitudeReference", k, "inertial",
+            attitude=attitude.ravel(),
+            orientation=CODEC.quaternion(attitude),
+            angular_velocity=CODEC.vector(np.zeros(3)),
+            torque=CODEC.vector(np.zeros(3)),
+        )  # fmt: skip
+        self._write(
+            "governor_status", "GovernorStatus", k, "inertial",
+            alpha=decision.alpha, admissible=decision.admissible, margin=decision.margin,
+            active_constraint=decision.active_constraint, evaluations=decision.evaluations,
+            violation_step=decision.violation_step, horizon=decision.horizon,
+            waypoints=decision.waypoints,
+        )  # fmt: skip
+
+    def command(self, k: int, command: Any, method: str) -> None:
+        torque = CODEC.vector(command.torque)
+        source = int(command.source)
+        self._write("torque_command", "TorqueCommand", k, "body", torque=torque, source=source)
+        self._write("solver_status", "SolverStatus", k, "body", method=method, **_solve(command))
+
+
+def _solve(command: Any) -> dict[str, Any]:
+    found, standstill = command.solution, command.standstill
+    wall = {"wall_solve_time": 1e-4, "wall_deadline_slack": math.nan}
+    if found is None:
+        names = ("residual", "cost", "torque_margin", "min_curvature", "closed_loop_radius")
+        plan = ("zone_margins", "predicted_attitudes", "predicted_momenta", "predicted_torques")
+        return (
+            wall
+            | {"formulation": "", "active_constraint": "", "status": 255, "iterations": 0}
+            | {"first_costate": np.full(6, math.nan)}
+            | dict.fromkeys(names, math.nan)
+            | dict.fromkeys(plan, np.full(0, math.nan))
+        )
+    return wall | {
+        "formulation": found.formulation,
+        "status": int(command.status),
+        "iterations": found.iterations,
+        "residual": found.residual,
+        "cost": found.cost,
+        "first_costate": np.asarray(found.costates[0]),
+        "torque_margin": found.torque_margin,
+        "zone_margins": np.asarray(found.zone_margins),
+        "min_curvature": found.min_curvature,
+        "closed_loop_radius": standstill.radius if standstill else math.nan,
+        "active_constraint": standstill.active_constraint if standstill else "",
+        "predicted_attitudes": found.attitudes.ravel(),
+        "predicted_momenta": found.momenta.ravel(),
+        "predicted_torques": found.torques.ravel(),
+    }
+
+
+def messages_of(bag: Path) -> list[tuple[str, int, bytes]]:
+    """Return (topic, log time, bytes) of a bag, in the order of recording."""
+    (file,) = bag.glob("*.mcap")
+    with file.open("rb") as stream:
+        found = make_reader(stream).iter_messages(log_time_order=False)
+        return [(channel.topic, message.log_time, message.data) for _, channel, message in found]
+
+
+def rewrite(bag: Path, folder: Path, messages: list[tuple[str, int, bytes]]) -> Path:
+    """Write the bag again with other messages: every checksum in it is right."""
+    (file,) = bag.glob("*.mcap")
+    with file.open("rb") as stream, BagWriter(folder) as writer:
+        announce(writer)
+        for item in make_reader(stream).iter_attachments():
+            writer.attach(item.name, item.media_type, item.data)
+        for topic, stamp, data in messages:
+            writer.write(topic, stamp, stamp, data)
+    return folder
