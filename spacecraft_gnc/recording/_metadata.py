@@ -22,6 +22,7 @@ RECOVERED_RECORD: Final = "recovered"
 """MCAP metadata record of a bag that was rebuilt: from what, by what, and what it lacks."""
 GAPLESS: Final = "gapless"
 """Key in the metadata of an MCAP channel: whether a control step without a message is a loss."""
+DISTRO: Final = "jazzy"
 _LOST: Final = "messages_lost"
 _VERSION = 9
 _MAX_STAMP = 2**63 - 1

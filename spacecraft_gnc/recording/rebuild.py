@@ -18,6 +18,7 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import prepare_folder, stopped
 from spacecraft_gnc.recording._metadata import (
+    DISTRO,
     GAPLESS,
     LOSSES_RECORD,
     RECOVERED_RECORD,
@@ -31,7 +32,6 @@ from spacecraft_gnc.recording.bag import MCAP_SUFFIX, _damage, _is_unfinished, _
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
 
-_DISTRO: Final = "jazzy"
 _REPORT_EVERY: Final = 1000  # messages between two reports of the progress
 
 
@@ -139,13 +139,13 @@ class _Rebuild:
         self._channels: dict[int, Topic] = {}
         self._topics: dict[str, Topic] = {}
         self._start_ns, self._end_ns = 2**63 - 1, 0
-        self._distro = _DISTRO
+        self._distro = DISTRO
         self._result = Rebuilt(folder)
 
     def run(self, files: list[Path], progress: Callable[[int, int], None]) -> Rebuilt:
         """Copy the files, then close the bag."""
         with self._path.open("xb") as output:
-            writer = Writer(output, compression=CompressionType.ZSTD)
+            writer = Writer(output, compression=CompressionType.ZSTD, enable_data_crcs=True)
             writer.start(profile="ros2", library=f"spacecraft_gnc {__version__}, recovered")
             copy = Copy(writer)
             for file in files:
@@ -198,7 +198,7 @@ class _Rebuild:
                 return False
             case Metadata() if record.name == ROSBAG2_RECORD:
                 told = yaml.safe_load(record.metadata.get("serialized_metadata", "")) or {}
-                self._distro = told.get("ros_distro") or _DISTRO
+                self._distro = told.get("ros_distro") or DISTRO
                 return False
         return True
 

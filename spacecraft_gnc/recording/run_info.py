@@ -54,13 +54,6 @@ class RunInfo:
         lines = []
         if self.unfinished:
             lines.append(f"{self.path}: the bag was cut off; what was saved is shown")
-        if RECOVERED_RECORD in self.metadata:
-            source = self.metadata[RECOVERED_RECORD].get("source", "another")
-            lines.append(f"{self.path}: recovered from {source}, which was cut off")
-        lost = {t: n for t, n in self.metadata.get(LOSSES_RECORD, {}).items() if n != "0"}
-        if lost:
-            listed = ", ".join(f"{topic} {n}" for topic, n in lost.items())
-            lines.append(f"{self.path}: messages were lost while recording: {listed}")
         for topic, steps in self.missing.items():
             lines.append(f"{self.path}: {topic} lacks {_listed(steps)}")
         if self.overridden:
@@ -70,6 +63,12 @@ class RunInfo:
             )
         if self.scenario_problem:
             lines.append(f"{self.path}: recorded scenario not used: {self.scenario_problem}")
+        if RECOVERED_RECORD in self.metadata:
+            source = self.metadata[RECOVERED_RECORD].get("source", "another")
+            lines.append(f"{self.path}: recovered from {source}, which was cut off")
+        for topic, lost in self.metadata.get(LOSSES_RECORD, {}).items():
+            if lost != "0" and topic.rpartition("/")[2] not in self.missing:
+                lines.append(f"{self.path}: {topic} lost {lost} on the way to the recorder")
         return lines
 
 

@@ -19,6 +19,7 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import RecordFile, prepare_folder, refused_message, stopped
 from spacecraft_gnc.recording._metadata import (
+    DISTRO,
     GAPLESS,
     LOSSES_RECORD,
     ROSBAG2_RECORD,
@@ -50,8 +51,6 @@ class BagWriter:
         Of the chunks: ``zstd``, ``lz4`` or ``none``.
     chunk_size
         Messages are compressed and indexed in chunks of about this size [bytes].
-    ros_distro
-        Written into the metadata.
 
     Raises
     ------
@@ -68,11 +67,9 @@ class BagWriter:
         name: str | None = None,
         compression: str = "zstd",
         chunk_size: int = CHUNK_SIZE,
-        ros_distro: str = "jazzy",
     ) -> None:
         self.folder = Path(folder)
         self.path = self.folder / f"{name or self.folder.resolve().name}_0.mcap"
-        self._ros_distro = ros_distro
         self._chunk_size = chunk_size
         self._topics: dict[str, Topic] = {}
         self._live: dict[str, Topic] = {}  # emptied on closing: write() needs no other check
@@ -299,4 +296,4 @@ class BagWriter:
 
     def _summary(self) -> BagSummary:
         topics = [topic.summary(name) for name, topic in self._topics.items()]
-        return BagSummary(self.path.name, self._start_ns, self._end_ns, topics, self._ros_distro)
+        return BagSummary(self.path.name, self._start_ns, self._end_ns, topics, DISTRO)
