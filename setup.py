@@ -21,7 +21,7 @@ setup(
     package_data={NAME: ["py.typed"], f"{NAME}.nodes": ["*.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}", ["package.xml", "requirements.lock"]),  # a bag keeps the lock file
         (f"share/{NAME}/config", SCENARIOS),
     ],
     zip_safe=False,

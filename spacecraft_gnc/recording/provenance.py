@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import platform
 import subprocess
-import sysconfig
 from collections.abc import Mapping
 from datetime import datetime, timezone
 from importlib import metadata
@@ -14,6 +13,7 @@ from typing import Final
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.scenario import Scenario, registry
+from spacecraft_gnc.scenario.shipped import share_folders
 
 RUN_RECORD: Final = "run"
 """Name of the metadata record that `run_record` fills."""
@@ -22,7 +22,6 @@ PARAMETERS_ATTACHMENT: Final = "parameters.yaml"
 LOCK_ATTACHMENT: Final = "requirements.lock"
 """Name under which a recorder attaches the lock file of the dependencies."""
 _ROOT = Path(__file__).parents[2]  # of a checkout, or of an editable installation of one
-_SHARE = Path("share", "spacecraft_gnc")
 _PATIENCE = 5.0  # [s] wall for git, which may meet a slow disk
 
 
@@ -76,7 +75,7 @@ def version_of(distribution: str) -> str:
 
 def lock_file() -> bytes:
     """Return the lock file that came with the package; empty where none did."""
-    for folder in (_ROOT, Path(sysconfig.get_path("data")) / _SHARE):
+    for folder in share_folders():
         try:
             return (folder / LOCK_ATTACHMENT).read_bytes()
         except OSError:

@@ -1,4 +1,4 @@
-"""Where the scenarios that come with the package lie."""
+"""Where the files that come with the package lie."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from spacecraft_gnc.errors import ScenarioError
 
-_FOLDER = Path("share", "spacecraft_gnc", "config")
+_SHARE = Path("share", "spacecraft_gnc")
 
 
 def shipped(name: str) -> Path:
@@ -21,7 +21,8 @@ def shipped(name: str) -> Path:
         If there is none of that name.
     """
     known: set[str] = set()
-    for folder in _folders():
+    for share in share_folders():
+        folder = share / "config"
         path = folder / f"{name}.yaml"
         if path.is_file():
             return path
@@ -33,8 +34,9 @@ def shipped(name: str) -> Path:
     )
 
 
-def _folders() -> Iterator[Path]:
-    yield Path(__file__).parents[2] / "config"  # a checkout, or an editable installation of one
-    yield Path(sysconfig.get_path("data")) / _FOLDER  # pip
+def share_folders() -> Iterator[Path]:
+    """Yield the folders where files that come with the package may lie."""
+    yield Path(__file__).parents[2]  # a checkout, or an editable installation of one
+    yield Path(sysconfig.get_path("data")) / _SHARE  # pip
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):  # colcon
-        yield Path(prefix) / _FOLDER
+        yield Path(prefix) / _SHARE
