@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from mcap.reader import make_reader
 from recording.bags import CODEC, announce
 
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.ocp import Status
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
@@ -38,28 +39,64 @@ def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return merged
 
 
-def fly(folder: Path, flown: Mapping[str, Mapping[str, Any]] = SECTIONS) -> Path:
-    """Fly a scenario and record it as the nodes would; return the bag."""
+def fly(
+    folder: Path,
+    flown: Mapping[str, Mapping[str, Any]] = SECTIONS,
+    failing: Collection[int] = (),
+    targets: Mapping[int, Any] | None = None,
+    late: Collection[int] = (),
+) -> Path:
+    """Fly a scenario and record it as the nodes would; return the bag.
+
+    Solves of the steps ``failing`` are said not to have converged; from the steps of ``targets`` on
+    another attitude is asked for. At the steps ``late`` of a free run no command comes in time.
+    """
     scenario = from_sections(flown)
     with BagWriter(folder / "bag") as bag:
         announce(bag)
+        name = "spacecraft_gnc_msgs/msg/WallTiming"
+        bag.add_topic("/wall_timing", name, CODEC.texts[name])
         bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(flown).encode())
         recorder = _Recorder(bag, scenario.period)
         loop = scenario.build()
         for core in (loop.plant, loop.controller, loop.governor):
             core.reset()
+        if failing:
+            loop.controller.solver = _Failing(loop.controller.solver, failing)
         state, applied, source = loop.plant.state, np.zeros(3), Source.ZERO
+        last, misses = (applied, source), 0
         for k in range(loop.plant.n_steps + 1):
             recorder.state(k, loop.plant, applied, source)
             if k == loop.plant.n_steps:
                 break
+            if k in (targets or {}):
+                loop.governor.set_target(targets[k])
+            if failing:
+                loop.controller.solver.step = k
             decision = loop.governor.decide(state)
             recorder.decision(k, decision)
             command = loop.controller.command(state, decision.reference)
             recorder.command(k, command, loop.controller.name)
-            applied, source = command.torque, command.source
+            misses = misses + 1 if k in late else 0
+            last = last if misses else (command.torque, command.source)
+            gone = misses > scenario.plant.max_held_steps
+            applied, source = (np.zeros(3), Source.ZERO) if gone else last
+            recorder.timing(k + 1, held=len([step for step in late if step <= k]))
             state = loop.plant.step(applied)
     return folder / "bag"
+
+
+class _Failing:
+    """A solver that gives up at some steps."""
+
+    def __init__(self, solver: Any, failing: Collection[int]) -> None:
+        self._solver, self._failing = solver, failing
+        self.step = 0
+
+    def solve(self, *problem: Any) -> Any:
+        found = self._solver.solve(*problem)
+        failed = self.step in self._failing
+        return found._replace(status=Status.MAX_ITERATIONS) if failed else found
 
 
 class _Recorder:
@@ -93,6 +130,12 @@ class _Recorder:
             applied_torque=CODEC.vector(applied),
             applied_source=int(source),
         )  # fmt: skip
+
+    def timing(self, k: int, held: int) -> None:
+        wall = ("wall_elapsed", "wall_latency", "wall_deadline_slack")
+        counts = {"missed_deadlines": held, "held_commands": held, "rejected_messages": 0}
+        values = dict.fromkeys(wall, math.nan) | {"wall_elapsed": 0.1 * k} | counts
+        self._write("wall_timing", "WallTiming", k, "", **values)
 
     def decision(self, k: int, decision: Any) -> None:
         attitude = decision.reference.attitude
@@ -162,6 +205,8 @@ def rewrite(bag: Path, folder: Path, messages: list[tuple[str, int, bytes]]) -> 
     (file,) = bag.glob("*.mcap")
     with file.open("rb") as stream, BagWriter(folder) as writer:
         announce(writer)
+        name = "spacecraft_gnc_msgs/msg/WallTiming"
+        writer.add_topic("/wall_timing", name, CODEC.texts[name])
         for item in make_reader(stream).iter_attachments():
             writer.attach(item.name, item.media_type, item.data)
         for topic, stamp, data in messages:

@@ -37,7 +37,10 @@ def warmup(
     """Compile the kernels of the built-in cores, and of the scenarios given, into the cache."""
     import numpy as np
 
+    from spacecraft_gnc.analysis.audit import motion
+    from spacecraft_gnc.analysis.audit.plans import Certifier
     from spacecraft_gnc.loop.controllers import problem_of
+    from spacecraft_gnc.loop.plants import RigidBodyPlant
     from spacecraft_gnc.ocp import ShootingSolver
     from spacecraft_gnc.scenario import load
 
@@ -53,6 +56,10 @@ def warmup(
     for scenario in built_in:
         scenario.build().run()
     ShootingSolver(problem_of(built_in[0])).solve_batch(np.eye(3)[None], np.zeros((1, 3)))
+    certifier = Certifier.from_scenario(built_in[0])
+    if certifier is not None:
+        certifier.warm_up()
+    motion.warm_up(RigidBodyPlant.from_scenario(built_in[0]))
     if not quiet:
         print(f"kernels ready after {time.perf_counter() - started:.1f} s")
 

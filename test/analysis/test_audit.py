@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
+import math
 import struct
 
 import pytest
-from flown_bags import fly, messages_of, rewrite
+from flown_bags import fly, messages_of, rewrite, sections
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from recording.bags import CODEC
 
+from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.audit.evidence import read_evidence
+from spacecraft_gnc.analysis.audit.ledger import Ledger
+from spacecraft_gnc.analysis.audit.plans import Certifier
 from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit.solver import SolverAudit
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.recording._topic import step_of
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
 
 # Bytes of a serialized message: four of encapsulation, the stamp, the frame, padding, the step.
+APPLIED = "plant_invariants.applied_torque"
 NS = 400_000_000  # control period [ns]
 FIELDS = {
     ("attitude_state", "attitude"): (36, 9),
@@ -101,10 +111,334 @@ def test_one_bit_flipped_is_caught(tamper, field, step, component, bit):
     try:
         audit = audit_bag(tampered)
     except RecordingError as error:  # an exponent of ones is no number: the bag is refused
-        assert f"step {step}, field {name}: received" in str(error)
+        assert f"step {step}, field {name}: received" in str(error)  # noqa: PT017
         return
     assert audit.first is not None
     check, first = audit.first
     # the torque of step k - 1 is told with the invariants of step k
     told = step - 1 if topic == "plant_invariants" and step else step
     assert (first.step, first.field) == (told, f"{topic}.{name}[{component}]"), check
+
+
+CERTIFICATE = {
+    "residual": 1e-9,
+    "cost": 1e-9,
+    "torque_margin": 1e-9,
+    "min_curvature": 0.01,
+    "status": 1,
+}
+"""Fields of a certificate, and by how much they are changed."""
+
+
+def edited(name, **changes):
+    """Return a change of a message: fields with something added, or replaced by a function."""
+    full = f"spacecraft_gnc_msgs/msg/{name}"
+
+    def change(data):
+        message = CODEC.store.deserialize_cdr(data, full)
+        for key, value in changes.items():
+            old = getattr(message, key)
+            setattr(message, key, value(old) if callable(value) else old + value)
+        return bytes(CODEC.store.serialize_cdr(message, full))
+
+    return change
+
+
+def first_of(audit):
+    check, difference = audit.first
+    return check.name, difference.step, difference.field
+
+
+@pytest.mark.parametrize(("name", "more"), CERTIFICATE.items())
+def test_a_certificate_that_claims_something_else_is_caught(tamper, name, more):
+    audit = audit_bag(tamper("solver_status", 4, edited("SolverStatus", **{name: more})))
+    _, step, field = first_of(audit)
+    expected = "torque_command.source" if name == "status" else f"solver_status.{name}"
+    assert (step, field) == (4, expected)
+
+
+@pytest.mark.parametrize(
+    ("name", "at", "check"),
+    [
+        ("first_costate", 4, "first costate"),
+        ("predicted_attitudes", 9, "plan obeys the dynamics: rotations"),
+        ("predicted_attitudes", 0, "plan starts at the state"),
+        ("predicted_momenta", 16, "plan obeys the dynamics: momenta"),
+        ("predicted_torques", 14, "plan obeys the dynamics: momenta"),
+        ("predicted_torques", 1, "command = first torque of the plan"),
+    ],
+)
+def test_a_plan_that_is_not_that_of_the_certificate_is_caught(tamper, name, at, check):
+    def changed(values):
+        other = values.copy()
+        other[at] += 1e-7
+        return other
+
+    audit = audit_bag(tamper("solver_status", 7, edited("SolverStatus", **{name: changed})))
+    assert first_of(audit)[:2] == (check, 7)
+
+
+@pytest.mark.parametrize("topic", ["attitude_state", "torque_command", "solver_status"])
+def test_a_missing_step_is_named(bag, messages, tmp_path, topic):
+    left = [item for item in messages if item[:2] != (f"/{topic}", 5 * NS)]
+    audit = audit_bag(rewrite(bag, tmp_path / "bag", left))
+    assert first_of(audit) == (f"steps of {topic}", 5, f"{topic} (missing)")
+
+
+def test_a_step_sent_again_passes_and_another_one_in_its_place_does_not(bag, messages, tmp_path):
+    repeated = [item for item in messages for _ in range(1 + (item[1] == 3 * NS))]
+    audit = audit_bag(rewrite(bag, tmp_path / "same", repeated))
+    assert audit.passed
+    notes = {check.name: check.note for check in audit.checks}
+    assert notes["steps of attitude_state"] == "1 sent again with the same bytes"
+    other = [
+        (topic, stamp, edited("TorqueCommand", source=1)(data))
+        for topic, stamp, data in messages
+        if (topic, stamp) == ("/torque_command", 3 * NS)
+    ]
+    audit = audit_bag(rewrite(bag, tmp_path / "other", messages + other))
+    assert first_of(audit)[1:] == (3, "torque_command (two different messages)")
+
+
+def test_a_flight_that_stopped_early_is_told_and_accepted_if_asked(bag, messages, tmp_path):
+    early = [item for item in messages if item[1] < 8 * NS]
+    cut = rewrite(bag, tmp_path / "bag", [*early, *(m for m in messages if m[1] == 8 * NS)][:-4])
+    audit = audit_bag(cut)
+    assert first_of(audit) == ("length of the flight", 8, "the last step")
+    assert audit_bag(cut, allow_unfinished=True).passed
+
+
+def test_a_bag_cut_off_is_audited_as_far_as_it_goes(bag, messages, tmp_path):
+    for left in range(len(messages) - 5, len(messages)):
+        folder = rewrite(bag, tmp_path / str(left), messages[:left])
+        (folder / "metadata.yaml").unlink()
+        audit = audit_bag(folder, allow_unfinished=True)
+        assert audit.passed, audit.first
+
+
+def test_a_stamp_off_the_grid_is_caught(tamper):
+    def later(header):
+        header.stamp.nanosec += 1
+        return header
+
+    audit = audit_bag(tamper("torque_command", 6, edited("TorqueCommand", header=later)))
+    assert first_of(audit) == ("time stamps", 6, "torque_command.header.stamp")
+
+
+def test_another_start_than_the_scenarios_is_caught(bag, tmp_path):
+    """A whole flight, consistent in itself, but not the one that the scenario says."""
+    start = {"initial_rotation_vector": [0.25, 0.5, 0.4999]}
+    other = fly(tmp_path, sections(plant=start))
+    swapped = rewrite(bag, tmp_path / "swapped", messages_of(other))
+    check, step, field = first_of(audit_bag(swapped))
+    assert (check, step) == ("integrator, from the start", 0)
+    assert field.startswith("attitude_state.attitude")
+
+
+def test_other_weights_than_the_scenarios_are_caught(bag, tmp_path):
+    other = fly(tmp_path, sections(nmpc_controller={"weights": {"stage_attitude": 0.02}}))
+    swapped = rewrite(bag, tmp_path / "swapped", messages_of(other))
+    assert first_of(audit_bag(swapped)) == (
+        "residual (backward_sweep)", 0, "solver_status.residual",
+    )  # fmt: skip
+
+
+def test_a_stated_tolerance_lets_rounding_through_and_no_more(tamper):
+    changed = tamper("attitude_state", 5, lambda data: flipped(data, 8 * 140 + 3))
+    assert not audit_bag(changed).passed
+    failed = {check.name for check in audit_bag(changed, tolerance=1e-12).checks if check.first}
+    assert failed == {"plan starts at the state"}  # no rounding stands between those two
+    large = tamper("attitude_state", 5, lambda data: flipped(data, 8 * 140 + 40))
+    assert first_of(audit_bag(large, tolerance=1e-12))[0] == "integrator, from each state"
+
+
+FLIGHTS = {
+    "single shooting": {"nmpc_controller": {"formulation": "single_shooting"}},
+    "estimated": {"nmpc_controller": {"variant": "estimated_du"}},
+    "on-line neighbouring extremals": {"nmpc_controller": {"method": "neighboring_extremal"}},
+    "a stored run": {
+        "nmpc_controller": {
+            "method": "neighboring_extremal",
+            "nominal_rotation_vector": [0.3, 0.45, 0.5],
+            "nominal_momentum": [0.0, 0.0, 0.0],
+            "exact_every": 5,
+        }
+    },
+    "feedback": {"nmpc_controller": {"method": "feedback"}},
+    "slsqp": {"nmpc_controller": {"method": "slsqp"}},
+    "fsolve": {"nmpc_controller": {"method": "fsolve"}},
+    "terminal set": {"nmpc_controller": {"method": "terminal_set", "terminal_set": "false"}},
+    "the ladder": {"nmpc_controller": {"max_iterations": 1}},
+    "several integrator steps": {
+        "plant": {"time_step": 0.1},
+        "nmpc_controller": {"time_step": 0.4},
+    },
+    "no limit": {"nmpc_controller": {"max_torque": 0.0}},
+    "four actuators": {
+        "nmpc_controller": {
+            "actuators": [1.0, 0.0, 0.0, 0.5, 0.0, 1.0, 0.0, 0.5, 0.0, 0.0, 1.0, 0.5]
+        }
+    },
+    "a zone": {
+        "nmpc_controller": {
+            "zone_names": ["star"],
+            "zones": {
+                "star": {
+                    "body_axis": [1.0, 0.0, 0.0],
+                    "inertial_axis": [0.0, 0.0, 1.0],
+                    "half_angle_deg": 30.0,
+                }
+            },
+        }
+    },
+    "an active terminal set": {
+        "plant": {
+            "inertia": [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0],
+            "time_step": 0.1,
+            "duration": 1.0,
+            "initial_rotation_vector": [0.352, 0.264, 0.0],
+            "initial_momentum": [0.0, 0.0, 0.0],
+        },
+        "nmpc_controller": {
+            "method": "terminal_set",
+            "horizon": 60,
+            "max_torque": 0.02,
+            "weights": {
+                "stage_attitude": 1.0,
+                "stage_rate": [3.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 5.0],
+                "stage_torque": 1000.0,
+            },
+            "stage_cost_scale": 0.9,
+            "terminal_set": "true",
+        },
+    },
+    "a governor": {
+        "nmpc_controller": {"method": "feedback"},
+        "reference_governor": {
+            "governor": "attitude",
+            "target_rotation_vector": [0.0, 0.0, 0.0],
+            "max_momentum": 0.5,
+        },
+    },
+}
+
+
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_every_method_passes_and_one_changed_command_is_caught(tmp_path, name):
+    flown = fly(tmp_path, sections(**FLIGHTS[name]))
+    audit = audit_bag(flown)
+    assert audit.passed, audit.first
+    examined = {check.name for check in audit.checks if check.steps}
+    assert examined & {"command = first torque of the plan", "command of the law"}
+    changed = [
+        (
+            topic,
+            stamp,
+            flipped(data, 8 * 36) if topic == "/torque_command" and step_of(data) == 3 else data,
+        )
+        for topic, stamp, data in messages_of(flown)
+    ]
+    assert changed != messages_of(flown)
+    found = audit_bag(rewrite(flown, tmp_path / "changed", changed))
+    assert first_of(found)[1:] == (3, "torque_command.torque[0]")
+
+
+def examined(audit):
+    return {check.name: check.steps for check in audit.checks}
+
+
+def test_every_rung_of_the_ladder_is_worked_out_again(tmp_path):
+    """Feedback without a plan, corrections of one, its torques towards another target, feedback."""
+    failing = {0, 3, 4, 5, 8, 9, 10, 11}
+    scenario = sections(nmpc_controller={"continuation": "none"})
+    flown = fly(tmp_path, scenario, failing=failing, targets={9: lie.exp([0.0, 0.0, 0.2])})
+    audit = audit_bag(flown)
+    assert audit.passed, audit.first
+    assert examined(audit)["rung of the ladder"] == len(failing)
+    assert examined(audit)["neighbouring extremal of an earlier plan"] == 4
+    sources = {data[60] for topic, _, data in messages_of(flown) if topic == "/torque_command"}
+    assert sources == {Source.OPTIMAL, Source.NEIGHBORING_EXTREMAL, Source.SHIFTED_PLAN,
+                       Source.FEEDBACK}  # fmt: skip
+    notes = {check.name: check.note for check in audit.checks}
+    assert notes["reference moves by alpha"] == "1 targets that no topic holds, from step 9 on"
+    for step in (0, 9, 10):
+        changed = [
+            (topic, stamp, flipped(data, 8 * 36)
+             if topic == "/torque_command" and step_of(data) == step else data)
+            for topic, stamp, data in messages_of(flown)
+        ]  # fmt: skip
+        found = audit_bag(rewrite(flown, tmp_path / str(step), changed))
+        assert first_of(found) == ("command of the ladder", step, "torque_command.torque[0]")
+
+
+def test_a_standstill_and_the_way_out_are_worked_out_again(tmp_path):
+    """Half a turn from the target every horizon rests at a saddle of the closed loop."""
+    start = {"initial_rotation_vector": [math.pi, 0.0, 0.0], "initial_momentum": [0.0, 0.0, 0.0]}
+    flown = fly(tmp_path, sections(plant=start))
+    audit = audit_bag(flown)
+    assert audit.passed, audit.first
+    assert examined(audit)["command that leaves a standstill"] >= 1
+    name = "SolverStatus"
+    changed = [
+        (topic, stamp, edited(name, closed_loop_radius=1e-3)(data)
+         if topic == "/solver_status" and step_of(data) == 0 else data)
+        for topic, stamp, data in messages_of(flown)
+    ]  # fmt: skip
+    found = audit_bag(rewrite(flown, tmp_path / "changed", changed))
+    assert first_of(found) == ("standstill", 0, "solver_status.closed_loop_radius")
+
+
+def test_the_multiplier_of_an_active_terminal_set_is_found(tmp_path):
+    flown = fly(tmp_path, sections(**FLIGHTS["an active terminal set"]))
+    with open_bag(flown) as bag:
+        evidence = read_evidence(bag, None, None)
+        (block,) = evidence.solves()
+        certifier = Certifier.from_scenario(evidence.scenario)
+        auditor = SolverAudit(evidence, certifier, Ledger())
+        found = certifier.certify(auditor._plans(block.steps, block.fields))
+    assert found.multiplier[0] > 1e-3
+    assert found.residual.max() < 1e-9
+
+
+def test_a_free_run_holds_the_last_torque_and_then_none_as_its_plant_counts(tmp_path):
+    free = {"mode": "free_run", "max_held_steps": 2}
+    late = {2, 5, 6, 7, 9}
+    flown = fly(tmp_path, sections(plant=free), late=late)
+    audit = audit_bag(flown)
+    assert audit.passed, audit.first
+    assert examined(audit)["torque where no command came in time"] == len(late)
+    assert examined(audit)["applied torque = command"] == 12 - len(late)
+    lost = [  # the answer to step 5 never came, and is not needed
+        item for item in messages_of(flown)
+        if item[:2] not in {("/torque_command", 5 * NS), ("/solver_status", 5 * NS)}
+    ]  # fmt: skip
+    audit = audit_bag(rewrite(flown, tmp_path / "lost", lost))
+    assert audit.passed, audit.first
+    for step in (2, 6, 7):  # held, held again, zero: none of them may be another torque
+        changed = [
+            (topic, stamp, flipped(data, 8 * 76)
+             if topic == "/plant_invariants" and step_of(data) == step + 1 else data)
+            for topic, stamp, data in messages_of(flown)
+        ]  # fmt: skip
+        found = audit_bag(rewrite(flown, tmp_path / str(step), changed))
+        expected = ("torque where no command came in time", step, f"{APPLIED}[0]")
+        assert first_of(found) == expected
+
+
+def test_a_late_torque_that_the_plant_does_not_count_is_no_excuse(tmp_path):
+    flown = fly(tmp_path, sections(plant={"mode": "free_run"}), late={4})
+    changed = [
+        (topic, stamp, edited("WallTiming", held_commands=lambda _: 0)(data)
+         if topic == "/wall_timing" else data)
+        for topic, stamp, data in messages_of(flown)
+    ]  # fmt: skip
+    found = audit_bag(rewrite(flown, tmp_path / "changed", changed))
+    assert first_of(found) == ("applied torque = command", 4, f"{APPLIED}[0]")
+
+
+def test_a_lockstep_time_out_is_excused_where_the_plant_counts_it(tmp_path):
+    """Without a command in time the plant of a lockstep flight applies none, and counts it."""
+    flown = fly(tmp_path, sections(plant={"max_held_steps": 0}), late={4})
+    audit = audit_bag(flown)
+    assert audit.passed, audit.first
+    assert examined(audit)["torque where no command came in time"] == 1

@@ -12,6 +12,7 @@ from recording.bags import record
 from spacecraft_gnc.cli.main import main
 
 COMMANDS = {
+    "audit": ["audit"],
     "plot": ["plot", "--out", "{}/figures"],
 }
 """Every command that reads a bag; ``{}`` stands for a folder."""

@@ -107,17 +107,18 @@ def read_evidence(bag: Bag, namespace: str | None, progress: Progress | None) ->
 
 
 def _flown(bag: Bag, columns: dict[str, Columns]) -> int:
-    """Return the control steps flown: up to the last message, or the last state of a cut bag.
+    """Return the control steps flown: up to the last message; in a cut bag, to the last whole one.
 
     The governor answers the last state, too, of which no control step starts.
     """
     states = columns[STATE].steps
-    others = [
-        columns[topic].steps[-1] + (topic not in LEADING)
-        for topic in (INVARIANTS, TORQUE, SOLVER_STATUS)
-        if columns[topic].steps.size and not bag.unfinished
+    topics = (STATE, INVARIANTS, TORQUE, SOLVER_STATUS)
+    ends = [
+        int(columns[topic].steps[-1]) + (topic not in LEADING)
+        for topic in (*topics, *((REFERENCE, GOVERNOR_STATUS) if bag.unfinished else ()))
+        if columns[topic].steps.size
     ]
-    n = int(max([states[-1], *others])) if states.size else 0
+    n = (min if bag.unfinished else max)(ends) if states.size else 0
     if n < 1 or n > 1000 * states.size:
         raise RecordingError(
             f"{bag.path}: received {states.size} states and messages up to step {n}; required at "

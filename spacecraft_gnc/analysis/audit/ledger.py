@@ -52,6 +52,8 @@ class Check:
     worst: float = 0.0
     first: Difference | None = None
     note: str = ""
+    limit: float = 0.0
+    """Largest tolerance, where there are several."""
     is_condition: bool = False
     """Whether it is kept or not, without a measure."""
 
@@ -94,8 +96,16 @@ class Ledger:
     def check(self, name: str, tolerance: str, note: str = "") -> Check:
         """Return the line of that name, made where it is new."""
         found = self.checks.setdefault(name, Check(name, tolerance))
+        found.tolerance = tolerance or found.tolerance
         found.note = note or found.note
         return found
+
+    def _bounded(self, name: str, tolerance: Array | float, unit: str) -> Check:
+        """Return the line of that name; it shows the largest of its tolerances."""
+        line = self.check(name, "")
+        line.limit = max(line.limit, float(np.max(tolerance)) if np.size(tolerance) else 0.0)
+        line.tolerance = f"{line.limit:.2g} {unit}".rstrip()
+        return line
 
     def skip(self, name: str, why: str) -> None:
         """Enter a check that does not apply, unless steps were examined under that name."""
@@ -119,8 +129,7 @@ class Ledger:
         unit: str = "",
     ) -> None:
         """Compare fields (m, ...) of steps (m,): bit for bit, or to an absolute tolerance."""
-        text = BITS if tolerance is None else _bound(tolerance, unit)
-        line = self.check(name, text)
+        line = self.check(name, BITS) if tolerance is None else self._bounded(name, tolerance, unit)
         for where, values in recorded.items():
             off, wrong = _deviation(values, expected[where], tolerance)
             self._enter(line, steps, where, off, wrong)
@@ -135,7 +144,7 @@ class Ledger:
         unit: str = "",
     ) -> None:
         """Require deviations (m,) or (m, n) of steps (m,) to keep a bound; NaN keeps none."""
-        line = self.check(name, _bound(tolerance, unit))
+        line = self._bounded(name, tolerance, unit)
         off = np.abs(deviation).reshape(len(steps), -1)
         wrong = ~(off <= np.asarray(tolerance).reshape(-1, 1))
         self._enter(line, steps, where, off, wrong)
@@ -186,8 +195,3 @@ def _deviation(
     if tolerance is None:
         return off, recorded.view(np.int64) != wanted.view(np.int64)
     return off, ~(off <= np.asarray(tolerance).reshape(-1, 1))
-
-
-def _bound(tolerance: Array | float, unit: str) -> str:
-    largest = float(np.max(tolerance)) if np.size(tolerance) else 0.0
-    return f"{largest:.2g} {unit}".rstrip()

@@ -41,6 +41,18 @@ def audit_motion(
     _momentum_balance(evidence, plant, torques, ledger)
 
 
+def warm_up(plant: RigidBodyPlant) -> None:
+    """Compile or load the kernel."""
+    still = (
+        np.eye(3)[None],
+        np.zeros((1, 3)),
+        np.zeros((1, 3)),
+        np.empty((1, 3, 3)),
+        np.empty((1, 3)),
+    )
+    kernels.resume(plant.body.packed, plant.body.time_step, plant.substeps, *still)
+
+
 def applied_torques(evidence: Evidence) -> Array:
     """Return (n, 3) torques [N m] of the steps, as the plant told, else as commanded; NaN: none."""
     steps = np.arange(evidence.n)

@@ -14,7 +14,7 @@ from spacecraft_gnc.ocp import AttitudeOcp
 from spacecraft_gnc.ocp._data_kernels import ALPHA, MU0
 from spacecraft_gnc.ocp._stage_kernels import ZONE_SIZE, work_size
 from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.types import Array, read_only
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -103,7 +103,7 @@ class Certifier:
         data = ocp.data.copy()
         data[ALPHA] = (ocp.max_torque * TOUCHING) ** 2
         data[MU0] = math.inf
-        return cls(ocp, data, np.zeros((0, ZONE_SIZE)), False)
+        return cls(ocp, read_only(data), read_only(np.zeros((0, ZONE_SIZE))), False)
 
     def controls(self, torques: Array) -> Array:
         """Return the controls (m, N, n) that make torques (m, N, 3), along the weight's axes."""
@@ -111,6 +111,12 @@ class Certifier:
         if np.array_equal(ocp.torque_map, np.eye(3)):
             return np.ascontiguousarray(torques @ ocp.control_axes)
         return np.ascontiguousarray(torques @ ocp.allocation.T @ ocp.control_axes)
+
+    def warm_up(self) -> None:
+        """Compile or load the kernel."""
+        n = self.ocp.horizon
+        still = np.tile(np.eye(3), (1, n + 1, 1, 1)), np.zeros((1, n + 1, 3)), np.zeros((1, n, 3))
+        self.certify(Plans(np.eye(3)[None], *still, np.zeros((1, 6))))
 
     def multipliers(self, plan: Plans) -> tuple[Array, float]:
         """Return the costates (N, 6) of one plan, and the multiplier of the terminal set."""

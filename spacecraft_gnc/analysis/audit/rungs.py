@@ -168,7 +168,7 @@ class StandstillAudit:
         """Audit the standstills of a block."""
         said = np.isin(rows["status"], (Status.STALLED, Status.ESCAPING))
         said |= np.isfinite(rows["closed_loop_radius"])
-        for i in np.flatnonzero(said):
+        for i in np.flatnonzero(said).tolist():
             self._examine(int(solved[i]), restored(self._certifier, plans, rows, i), rows, i)
 
     def _examine(

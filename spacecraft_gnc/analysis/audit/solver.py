@@ -124,13 +124,12 @@ class SolverAudit:
             "predicted_momenta": 3 * (n + 1),
             "predicted_torques": 3 * n,
         }
-        name, kept = "length of the plan", np.ones(len(steps), dtype=bool)
+        name = "length of the plan"
+        kept: NDArray[np.bool_] = np.ones(len(steps), dtype=bool)
         for field, size in sizes.items():
             values = rows[field]
-            right = np.zeros(len(steps), dtype=bool)
-            if values.shape[1] >= size:
-                right = np.isfinite(values[:, :size]).all(axis=1)
-                right &= np.isnan(values[:, size:]).all(axis=1)
+            whole = np.isfinite(values[:, :size]).sum(axis=1) == size
+            right = whole & (np.isfinite(values[:, size:]).sum(axis=1) == 0)
             self._ledger.require(name, f"N = {n}", steps, f"solver_status.{field}", right)
             kept &= right
         for topic in (STATE, REFERENCE):
@@ -142,11 +141,12 @@ class SolverAudit:
         references = self._evidence.rows(REFERENCE, "attitude", steps)
         shapes = ((9 * (n + 1), (m, n + 1, 3, 3)), (3 * (n + 1), (m, n + 1, 3)), (3 * n, (m, n, 3)))
         names = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
-        plan = [
+        attitudes, momenta, torques = (
             np.ascontiguousarray(rows[name][:, :size]).reshape(shape)
             for name, (size, shape) in zip(names, shapes, strict=True)
-        ]
-        return Plans(references.reshape(m, 3, 3), *plan, rows["first_costate"])
+        )
+        references = references.reshape(m, 3, 3)
+        return Plans(references, attitudes, momenta, torques, rows["first_costate"])
 
     def _certificate(
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
@@ -188,7 +188,7 @@ class SolverAudit:
         if formulation == NEIGHBORING:  # its first torque is cut to the limit after the rollout
             cut = np.full(len(steps), CUT * ocp.max_torque * ocp.time_step)
         bound(
-            "plan obeys the dynamics: momenta", steps, where,
+            f"plan obeys the dynamics: momenta{_said(formulation)}", steps, where,
             np.maximum(found.momentum_defect, np.maximum(first - cut, 0.0)), ROUNDING * scale,
             "N m s",
         )  # fmt: skip
@@ -213,7 +213,7 @@ class SolverAudit:
             on_limit = found.largest >= ocp.max_torque * (1.0 - CUT)
             off = np.where(on_limit, np.maximum(off, 0.0), off)
         ledger.bound(name, steps[free], "solver_status.residual", off[free], share * size)
-        name = "|u| where the limit acts"
+        name = f"|u| where the limit acts{_said(formulation)}"
         if ocp.max_torque == 0.0:
             ledger.skip(name, "the scenario has no torque limit")
             return
@@ -233,7 +233,7 @@ class SolverAudit:
         off = found.cost - rows["cost"]
         scale = max(float(np.abs(found.cost).max()), 1e-300)
         limit = (CUT_COST if formulation == NEIGHBORING else 10.0 * ROUNDING) * scale
-        bound("cost", steps, "solver_status.cost", off, limit)
+        bound(f"cost{_said(formulation)}", steps, "solver_status.cost", off, limit)
         claimed = rows["first_costate"]
         size = max(float(np.abs(claimed).max()), 1e-300)
         off = found.costates - claimed
@@ -248,7 +248,7 @@ class SolverAudit:
         found: Certificates,
     ) -> None:  # fmt: skip
         ledger, ocp = self._ledger, self._certifier.ocp
-        name, where = "torque margin", "solver_status.torque_margin"
+        name, where = f"torque margin{_said(formulation)}", "solver_status.torque_margin"
         if ocp.max_torque > 0.0:
             off = ocp.max_torque - found.largest - rows["torque_margin"]
             share = CUT if formulation == NEIGHBORING else 10.0 * ROUNDING
@@ -273,7 +273,8 @@ class SolverAudit:
             ledger.skip(name, "slsqp certifies no minimum")
         elif formulation == NEIGHBORING:
             kept = (found.curvature > 0.0) == (claimed > 0.0)
-            ledger.require("curvature (sign, of an earlier solve)", "sign", steps, where, kept)
+            name = f"curvature{_said(formulation)}"
+            ledger.require(name, "sign: of an earlier solve", steps, where, kept)
         else:
             off = found.curvature / claimed - 1.0
             ledger.bound(name, steps, where, off, CURVATURE, "relative")
@@ -293,3 +294,8 @@ class SolverAudit:
             "multiplier of the terminal set, from the first costate", "nu >= 0, > 0 on the border",
             steps, "solver_status.first_costate", kept,
         )  # fmt: skip
+
+
+def _said(formulation: str) -> str:
+    """Return what tells apart the lines of neighbouring extremals, whose tolerances are wider."""
+    return " (neighbouring extremal)" if formulation == NEIGHBORING else ""
