@@ -1,13 +1,15 @@
-"""``gnc recover``: what it tells, and what it refuses."""
+"""What is told of bags with losses, and what ``gnc recover`` refuses."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from recording.bags import announce, flight_messages, random_flight
 
+from spacecraft_gnc.cli.launch import _report
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.recording.writer import BagWriter
 
@@ -74,3 +76,21 @@ def test_a_whole_bag_and_an_existing_output(
         assert told.out == ""
         assert told.err.startswith(reason)
         assert len(told.err.splitlines()) == 1
+
+
+def test_a_launch_shouts_what_its_bag_lacks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with BagWriter(tmp_path / "bag") as bag:
+        announce(bag)
+        for topic, step, data in flight_messages(random_flight(3)):
+            bag.write(f"/{topic}", step, step, data)
+        bag.report_loss("/torque_command", 7)
+    plan = SimpleNamespace()
+    for bags in ([], [str(tmp_path / "bag")]):
+        _report(plan, SimpleNamespace(bags=bags), as_json=False, quiet=True)
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err == (
+        f"error: {tmp_path}/bag: MESSAGES LOST, the bag is not complete: /torque_command 7\n"
+    )
