@@ -22,7 +22,7 @@ from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.launcher.progress import choose
-from spacecraft_gnc.recording._metadata import read_losses
+from spacecraft_gnc.recording._metadata import METADATA_NAME, read_losses
 
 OutOption = Annotated[
     Path | None,
@@ -74,6 +74,8 @@ def launch(
         print_error(error)
         for line in error.last_words:
             print(f"  | {line}", file=sys.stderr)
+        if plan.bag.is_dir() and not (plan.bag / METADATA_NAME).exists():
+            print(f"  the bag was cut off: gnc recover {plan.bag}", file=sys.stderr)
         raise typer.Exit(error.exit_code) from error
     _report(plan, outcome, as_json=as_json, quiet=quiet)
 
