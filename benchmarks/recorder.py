@@ -37,6 +37,7 @@ TOPICS = 5  # a process
 _NUMBERED = struct.Struct("<Qd")  # count from 0, wall time of sending [s]
 _HEAD = struct.Struct("<4sIII")  # encapsulation, no dimensions, offset 0, length of the data
 _SAMPLE = 0.1  # [s] wall between two looks at the memory
+_SHARES = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the time of sending, at which the memory is quoted
 _TICK = 1e-3  # [s] wall between two looks at the clock
 _PATIENCE = 60.0  # [s] wall
 
@@ -65,15 +66,15 @@ def main() -> int:
 
 _TITLE = (
     f"{'asked':>7} {'sent/s':>7} {'sent':>8} {'lost':>7} {'said':>7} {'CPU':>5} "
-    f"{'memory at 0, 50, 100 %':>24} {'load':>6}"
+    f"{'memory at 0, 25, 50, 75, 100 % [MB]':>36} {'load':>6}"
 )
 
 
 def _line(r: dict[str, Any]) -> str:
-    memory = " ".join(f"{value:.1f}" for value in r["memory"]) + " MB"
+    memory = " ".join(f"{value:.1f}" for value in r["memory"])
     return (
         f"{r['rate']:>7.0f} {r['sent_per_second']:>7.0f} {r['sent']:>8} {r['lost']:>7} "
-        f"{r['lost_said']:>7} {100 * r['processor']:>4.0f}% {memory:>24} {r['load']:>6.1f}"
+        f"{r['lost_said']:>7} {100 * r['processor']:>4.0f}% {memory:>36} {r['load']:>6.1f}"
     )
 
 
@@ -102,7 +103,7 @@ def measure(rate: float, seconds: float) -> dict[str, Any]:
             print((folder / "recorder.log").read_text(), file=sys.stderr)
     sent = {name: count for report in reports for name, count in report["sent"].items()}
     duration = max(report["seconds"] for report in reports)
-    memory = [samples[int(share * (len(samples) - 1))] / 1e6 for share in (0.0, 0.5, 1.0)]
+    memory = [samples[int(share * (len(samples) - 1))] / 1e6 for share in _SHARES]
     return {
         "rate": rate,
         "sent": sum(sent.values()),

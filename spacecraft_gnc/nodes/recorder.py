@@ -114,7 +114,10 @@ class RecorderNode(GncNode):
         return (PARAMETERS_ATTACHMENT,)
 
     def _on_parameters(self) -> None:
-        self._attach_parameters()
+        try:
+            self._attach_parameters()
+        except RecordingError as error:  # nothing may escape into the executor
+            self.fail(error)
         self._call_roll()
 
     def _attach_parameters(self) -> None:
@@ -128,7 +131,8 @@ class RecorderNode(GncNode):
         if not self._written:
             self._bag.abort()  # nothing that looks like a recording is left behind
             return
-        self._attach_parameters()
+        if self.failure is None:  # else the bag may be closed already, and stays unfinished
+            self._attach_parameters()
         self._bag.close()
         self.get_logger().info(f"{self._written} messages in {self._bag.folder}")
         lost = {name: count.lost for name, count in self._bag.counts.items() if count.lost}

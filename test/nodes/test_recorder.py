@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -91,6 +93,31 @@ def test_messages_of_other_types(ros: Any, recorder: Any, sender: Node) -> None:
     assert qos.reliability.name == "RELIABLE"
 
 
+def test_all_of_the_graph_and_one_more(ros: Any, recorder: Any, sender: Node) -> None:
+    node = recorder("*", "/words")
+    words = matched(ros, sender.create_publisher(String, "words", 10))
+    words.publish(String(data="word"))
+    bag = closed(ros, node, 1)
+    with open_bag(bag) as opened:
+        assert {"/words", "/attitude_state", "/clock", "/diagnostics"} <= opened.topics.keys()
+
+
+def test_nodes_that_do_not_answer_are_named(ros: Any, recorder: Any, sender: Node) -> None:
+    node = recorder("/words")
+    words = matched(ros, sender.create_publisher(String, "words", 10))
+    words.publish(String(data="word"))
+    bag = closed(ros, node, 1)
+    with open_bag(bag) as opened:
+        text = opened.attachments()["parameters.yaml"].decode()
+    silent = {"plant", "nmpc_controller", "reference_governor"}
+    assert {line for line in text.splitlines() if line.startswith("#")} == {
+        f"# {name}: did not answer" for name in silent
+    }
+    own = yaml.safe_load(text)["recorder"]["ros__parameters"]
+    assert own["topics"] == ["/words"]
+    assert own["use_sim_time"] is True
+
+
 def test_what_a_latched_topic_said_before(ros: Any, recorder: Any, sender: Node) -> None:
     qos = QoSProfile(depth=3, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     publisher = sender.create_publisher(String, "latched", qos)
@@ -138,6 +165,27 @@ def test_a_topic_without_a_publisher_leaves_no_bag_and_is_named(
     node.trigger_deactivate()
     node.trigger_cleanup()
     assert not (tmp_path / "bag").exists()
+
+
+def test_a_full_disk_ends_the_node_with_one_line(
+    ros: Any, recorder: Any, sender: Node, monkeypatch: Any
+) -> None:
+    node = recorder("/words")
+    words = matched(ros, sender.create_publisher(String, "words", 10))
+    words.publish(String(data="saved"))
+    ros.spin_until(lambda: node.progress() == 1)
+    node._flush()
+
+    def fail(_: bytes) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(node._bag._file, "write", fail)
+    words.publish(String(data="lost"))
+    ros.spin_until(lambda: node.finished)
+    assert "No space left on device); 1 messages are saved" in str(node.failure)
+    node.trigger_deactivate()
+    assert node.trigger_cleanup().name == "SUCCESS"
+    assert [path.name for path in Path(node._bag.folder).iterdir()] == ["bag_0.mcap"]
 
 
 def test_losses_are_counted_shouted_and_kept(ros: Any, recorder: Any, sender: Node) -> None:
