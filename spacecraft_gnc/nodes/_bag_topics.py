@@ -57,7 +57,7 @@ def announce(
         If the definition is not installed.
     """
     type_name = f"{message_type.__module__.split('.')[0]}/msg/{message_type.__name__}"
-    interfaces = InstalledInterfaces(_prefixes())
+    interfaces = InstalledInterfaces(prefixes())
     bag.add_topic(
         name,
         type_name,
@@ -93,7 +93,7 @@ def _read_stamp(data: bytes) -> int:
     return int(seconds * _NS_PER_S + nanoseconds)
 
 
-def _prefixes() -> list[Path]:
+def prefixes() -> list[Path]:
     """Install prefixes: sourced workspaces, then the environment of this interpreter."""
     listed = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     return [Path(entry) for entry in (*listed, sys.prefix) if entry]

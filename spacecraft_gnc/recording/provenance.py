@@ -13,7 +13,7 @@ from typing import Final
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.scenario import Scenario, registry
-from spacecraft_gnc.scenario.shipped import share_folders
+from spacecraft_gnc.scenario.shipped import shipped_file
 
 RUN_RECORD: Final = "run"
 """Name of the metadata record that `run_record` fills."""
@@ -75,12 +75,8 @@ def version_of(distribution: str) -> str:
 
 def lock_file() -> bytes:
     """Return the lock file that came with the package; empty where none did."""
-    for folder in share_folders():
-        try:
-            return (folder / LOCK_ATTACHMENT).read_bytes()
-        except OSError:
-            continue
-    return b""
+    path = shipped_file(f"../{LOCK_ATTACHMENT}")  # beside config/, in a checkout and in share/
+    return b"" if path is None else path.read_bytes()
 
 
 def _commit() -> str:

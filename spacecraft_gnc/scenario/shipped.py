@@ -1,4 +1,4 @@
-"""Where the files that come with the package lie."""
+"""Where the scenarios, and other files, that come with the package lie."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from spacecraft_gnc.errors import ScenarioError
 
-_SHARE = Path("share", "spacecraft_gnc")
+_FOLDER = Path("share", "spacecraft_gnc", "config")
 
 
 def shipped(name: str) -> Path:
@@ -21,8 +21,7 @@ def shipped(name: str) -> Path:
         If there is none of that name.
     """
     known: set[str] = set()
-    for share in share_folders():
-        folder = share / "config"
+    for folder in _folders():
         path = folder / f"{name}.yaml"
         if path.is_file():
             return path
@@ -34,9 +33,13 @@ def shipped(name: str) -> Path:
     )
 
 
-def share_folders() -> Iterator[Path]:
-    """Yield the folders where files that come with the package may lie."""
-    yield Path(__file__).parents[2]  # a checkout, or an editable installation of one
-    yield Path(sysconfig.get_path("data")) / _SHARE  # pip
+def shipped_file(name: str) -> Path | None:
+    """Return another file that comes with the package, or None where it was not installed."""
+    return next((path for folder in _folders() if (path := folder / name).is_file()), None)
+
+
+def _folders() -> Iterator[Path]:
+    yield Path(__file__).parents[2] / "config"  # a checkout, or an editable installation of one
+    yield Path(sysconfig.get_path("data")) / _FOLDER  # pip
     for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep):  # colcon
-        yield Path(prefix) / _SHARE
+        yield Path(prefix) / _FOLDER
