@@ -31,6 +31,7 @@ from spacecraft_gnc.recording._topic import STEPPED_START, Topic
 from spacecraft_gnc.recording.bag import MCAP_SUFFIX, _damage, _is_unfinished, _storage_files
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
+from spacecraft_gnc.recording.steps import WALL_TIMING
 
 _REPORT_EVERY: Final = 1000  # messages between two reports of the progress
 
@@ -205,6 +206,8 @@ class _Rebuild:
     def _topic(self, channel: Channel) -> Topic:
         schema = self._schemas.get(channel.schema_id)
         text = schema.data.decode(errors="replace") if schema is not None else ""
+        # Timing is reported by wall time in lockstep; a bag of an older version does not say so.
+        assumed = str(channel.topic.rpartition("/")[2] != WALL_TIMING).lower()
         return self._topics.setdefault(
             channel.topic,
             Topic(
@@ -213,7 +216,7 @@ class _Rebuild:
                 channel.metadata.get("offered_qos_profiles", ""),
                 channel.metadata.get("topic_type_hash", ""),
                 stepped=[*fields(text)][:2] == STEPPED_START,
-                gapless=channel.metadata.get(GAPLESS, "true") == "true",
+                gapless=channel.metadata.get(GAPLESS, assumed) == "true",
             ),
         )
 

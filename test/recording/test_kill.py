@@ -11,14 +11,12 @@ import sys
 import time
 from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from recording.bags import CODEC
 from rosbags.highlevel import AnyReader
 
-from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.rebuild import rebuild
 
 SOURCE = Path(__file__).parents[2]
@@ -58,7 +56,7 @@ while True:
 def record_until_killed(folder, seed):
     """Feed a recorder, kill it at a random moment; return what was sent more than 1 s before."""
     chance = random.Random(seed)
-    moment = chance.uniform(0.2, 2.5)
+    moment = chance.uniform(1.1, 3.0)  # something is older than a second
     code = [sys.executable, "-c", RECORDER, str(folder), CODEC.texts[STATE]]
     environment = {**os.environ, "PYTHONPATH": str(SOURCE)}
     with subprocess.Popen(
@@ -100,10 +98,6 @@ def check_one(folder, seed):
     """Return (seed, messages owed, messages saved) of one kill."""
     sent = record_until_killed(folder, seed)
     owed = sum(old for messages in sent.values() for old, _ in messages)
-    if not owed:  # killed before the first chunk was due: there may be nothing to save
-        with suppress(RecordingError):
-            rebuild(folder)
-        return seed, 0, 0
     bag = rebuild(folder).folder
     saved = defaultdict(list)
     with AnyReader([bag]) as reader:
@@ -122,5 +116,4 @@ def test_twenty_kills_cost_no_message_older_than_a_second(tmp_path):
         folders = [tmp_path / f"bag{seed}" for seed in range(KILLS)]
         results = list(pool.map(check_one, folders, range(KILLS)))
     assert len(results) == KILLS
-    assert sum(owed > 0 for _, owed, _ in results) >= KILLS // 2  # most owed something
-    assert all(saved >= owed for _, owed, saved in results)
+    assert all(saved >= owed > 0 for _, owed, saved in results)
