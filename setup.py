@@ -26,7 +26,7 @@ setup(
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
-        (f"share/{NAME}", ["package.xml"]),
+        (f"share/{NAME}", ["package.xml", "requirements.lock"]),  # a bag keeps the lock file
         (f"share/{NAME}/config", CONFIG),
     ],
     zip_safe=False,

@@ -22,6 +22,7 @@ from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.launcher.progress import choose
+from spacecraft_gnc.recording._metadata import METADATA_NAME, read_losses
 
 OutOption = Annotated[
     Path | None,
@@ -73,11 +74,14 @@ def launch(
         print_error(error)
         for line in error.last_words:
             print(f"  | {line}", file=sys.stderr)
+        if plan.bag.is_dir() and not (plan.bag / METADATA_NAME).exists():
+            print(f"  the bag was cut off: gnc recover {plan.bag}", file=sys.stderr)
         raise typer.Exit(error.exit_code) from error
     _report(plan, outcome, as_json=as_json, quiet=quiet)
 
 
 def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -> None:
+    _shout_losses(outcome)
     if quiet and not as_json:
         return
     metrics = _metrics(plan, outcome)
@@ -98,6 +102,14 @@ def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -
     rows += [("restarted", name) for name in outcome.restarts]
     rows += [("recorded in", bag) for bag in outcome.bags]
     print_table([*rows, ("logs", str(plan.logs))])
+
+
+def _shout_losses(outcome: Outcome) -> None:
+    """Say on stderr, however quiet, that a bag is not complete."""
+    for bag in outcome.bags:
+        if lost := read_losses(Path(bag)):
+            listed = ", ".join(f"{topic} {count}" for topic, count in lost.items())
+            print_error(f"{bag}: MESSAGES LOST, the bag is not complete: {listed}")
 
 
 def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
@@ -124,6 +136,7 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         "missed_deadlines": outcome.missed_deadlines,
         "restarts": list(outcome.restarts),
         "bags": list(outcome.bags),
+        "messages_lost": sum(sum(read_losses(Path(bag)).values()) for bag in outcome.bags),
         "logs": plan.logs,
     }
 

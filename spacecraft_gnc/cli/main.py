@@ -57,6 +57,9 @@ COMMANDS: Final = {
         f"{_PACKAGE}.audit:audit", "Integrate a bag again and certify every command afresh."
     ),
     "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
+    "recover": _Command(
+        f"{_PACKAGE}.recover:recover", "Rebuild a readable bag from one that was cut off."
+    ),
     "bench": _Command(f"{_PACKAGE}.bench:bench", "Measure how fast this machine flies."),
     "reproduce": _Command(
         f"{_PACKAGE}.reproduce:reproduce", "Run a paper's cases; print ours beside the paper's."

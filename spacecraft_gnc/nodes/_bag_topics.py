@@ -5,13 +5,22 @@ from __future__ import annotations
 import os
 import struct
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, LivelinessPolicy, ReliabilityPolicy
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+from rclpy.utilities import get_rmw_implementation_identifier
 
 from spacecraft_gnc.nodes._params import parameter_files
 from spacecraft_gnc.nodes._topics import Topic
+from spacecraft_gnc.recording.provenance import version_of
 from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
 from spacecraft_gnc.recording.schema_text import InstalledInterfaces, schema_text
 from spacecraft_gnc.recording.writer import BagWriter
@@ -21,24 +30,41 @@ _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4  # after the encapsulation header
 _STAMPED_FIRST = ("std_msgs/Header", "builtin_interfaces/Time")
 _NS_PER_S = 1_000_000_000
+_WHEEL = "ros-jazzy-rclpy"  # as PyPI has it; ROS 2 itself calls it rclpy
 
 
-def announce(bag: BagWriter, name: str, topic: Topic) -> None:
-    """Add a topic of the graph to a bag, with its definition as installed on this machine.
+def announce(
+    bag: BagWriter, name: str, message_type: Any, offered: Iterable[QoSProfile], *, gapless: bool
+) -> None:
+    """Add a topic to a bag, with its definition as installed on this machine.
+
+    Parameters
+    ----------
+    bag
+        Where to.
+    name
+        Full name.
+    message_type
+        Python class of its messages.
+    offered
+        Profiles of its publishers.
+    gapless
+        Whether a control step without a message is a loss.
 
     Raises
     ------
     RecordingError
         If the definition is not installed.
     """
-    type_name = f"{topic.type.__module__.split('.')[0]}/msg/{topic.type.__name__}"
+    type_name = f"{message_type.__module__.split('.')[0]}/msg/{message_type.__name__}"
     interfaces = InstalledInterfaces(prefixes())
     bag.add_topic(
         name,
         type_name,
         schema_text(type_name, interfaces.definition),
-        qos_yaml=qos_yaml(_offered(topic)),
+        qos_yaml=qos_yaml(*(_profile(qos) for qos in offered)),
         type_hash=interfaces.type_hash(type_name),
+        gapless=gapless,
     )
 
 
@@ -54,6 +80,14 @@ def scenario_text(scenario: Scenario) -> bytes:
     return files[0].read_bytes() if len(files) == 1 else scenario.to_yaml().encode()
 
 
+def middleware() -> dict[str, str]:
+    """Return versions that only a node knows."""
+    return {
+        "rclpy": version_of(_WHEEL) or version_of("rclpy"),
+        "rmw": get_rmw_implementation_identifier(),
+    }
+
+
 def _read_stamp(data: bytes) -> int:
     seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_AT)
     return int(seconds * _NS_PER_S + nanoseconds)
@@ -65,19 +99,26 @@ def prefixes() -> list[Path]:
     return [Path(entry) for entry in (*listed, sys.prefix) if entry]
 
 
-def _offered(topic: Topic) -> QosProfile:
-    qos = topic.qos
+def _profile(qos: QoSProfile) -> QosProfile:
     return QosProfile(
         history=HistoryPolicy(qos.history).name.lower(),
         depth=qos.depth,
         reliability=ReliabilityPolicy(qos.reliability).name.lower(),
         durability=DurabilityPolicy(qos.durability).name.lower(),
-        liveliness=_LIVELINESS[qos.liveliness],
+        liveliness=_LIVELINESS.get(qos.liveliness, "automatic"),
+        **_durations(qos),
     )
 
 
-_LIVELINESS = {
-    LivelinessPolicy.SYSTEM_DEFAULT: "automatic",
-    LivelinessPolicy.AUTOMATIC: "automatic",
-    LivelinessPolicy.MANUAL_BY_TOPIC: "manual_by_topic",
-}
+def _durations(qos: QoSProfile) -> dict[str, Any]:
+    """Return the times [ns] that a profile sets; rclpy has 0 or a huge number for "infinite"."""
+    times = {
+        "deadline_ns": qos.deadline,
+        "lifespan_ns": qos.lifespan,
+        "liveliness_lease_ns": qos.liveliness_lease_duration,
+    }
+    return {name: t.nanoseconds for name, t in times.items() if 0 < t.nanoseconds < _NEVER}
+
+
+_NEVER = 2**62  # [ns]
+_LIVELINESS = {LivelinessPolicy.MANUAL_BY_TOPIC: "manual_by_topic"}

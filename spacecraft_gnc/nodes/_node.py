@@ -22,6 +22,7 @@ from std_msgs.msg import String
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._cdr import encode
 from spacecraft_gnc.nodes._convert import Stamp
+from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
 from spacecraft_gnc.nodes._params import load_scenario
 from spacecraft_gnc.nodes._readiness import Readiness
 from spacecraft_gnc.nodes._topics import DIAGNOSTICS, PLANT, READY, Topic
@@ -186,10 +187,20 @@ class GncNode(LifecycleNode):
         return publisher
 
     def listen(
-        self, topic: Topic, callback: Callable[[bytes], None], qos: Any = None
+        self,
+        topic: Topic,
+        callback: Callable[..., None],
+        qos: Any = None,
+        watch: SequenceWatch | None = None,
     ) -> Subscription:
-        """Receive the serialized messages of a topic of the graph."""
+        """Receive the serialized messages of a topic: ``callback(data)``.
+
+        With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``.
+        """
         callbacks = SubscriptionEventCallbacks(matched=self._on_match)
+        if watch is not None:
+            callback = with_info(callback)
+            callbacks.matched = watch.before(self._on_match)
         subscription = self.create_subscription(
             topic.type, topic.name, callback, qos or topic.qos, event_callbacks=callbacks, raw=True
         )

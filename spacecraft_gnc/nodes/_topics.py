@@ -35,6 +35,8 @@ INERTIAL_FRAME: Final = "inertial"
 BODY_FRAME: Final = "body"
 
 SLEW_ACTION: Final = "slew_to"
+EVERY: Final = "*"
+"""Among the topics of a recorder: all of the graph."""
 
 
 def reliable(depth: int) -> QoSProfile:
@@ -81,7 +83,7 @@ class Topic(NamedTuple):
     def is_recorded(self, wanted: Collection[str]) -> bool:
         """Whether a recorder asked for topics ``wanted`` (empty: all) takes this one."""
         names = {name.strip("/") for name in wanted}
-        return self.recorded and (not names or self.name.strip("/") in names)
+        return self.recorded and (not names or not names.isdisjoint((EVERY, self.name.strip("/"))))
 
     def expected_subscribers(self, present: Collection[str], wanted: Collection[str] = ()) -> int:
         """Return how many subscriptions the nodes ``present`` in the graph have.
@@ -134,6 +136,13 @@ TOPICS: Final = (
     READY,
     RECORDED,
 )
+
+
+def foreign(wanted: Collection[str]) -> tuple[str, ...]:
+    """Return what a recorder is asked for and the graph does not have."""
+    known = {EVERY, *(topic.name.strip("/") for topic in TOPICS if topic.recorded)}
+    return tuple(name for name in wanted if name.strip("/") not in known)
+
 
 RECORDER_WINDOW: Final = 500
 """Steps that the plant may be ahead of the recorder; less than the depth of STREAM and RECORD."""

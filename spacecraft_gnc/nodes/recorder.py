@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import struct
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.qos import QoSProfile
 from std_msgs.msg import UInt64
 
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.nodes._bag_topics import announce, message_time, scenario_text
+from spacecraft_gnc.nodes._bag_topics import announce, message_time, middleware, scenario_text
 from spacecraft_gnc.nodes._cdr import Layout
+from spacecraft_gnc.nodes._foreign import ForeignTopics
+from spacecraft_gnc.nodes._losses import SequenceWatch
 from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.nodes._parameter_dump import ParameterDump
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._topics import (
+    CLOCK,
     PLANT,
     RECORD,
     RECORDED,
@@ -25,14 +31,26 @@ from spacecraft_gnc.nodes._topics import (
     TOPICS,
     WALL_TIMING,
     Topic,
+    foreign,
 )
 from spacecraft_gnc.recording._topic import step_of
+from spacecraft_gnc.recording.provenance import (
+    LOCK_ATTACHMENT,
+    PARAMETERS_ATTACHMENT,
+    RUN_RECORD,
+    lock_file,
+    run_record,
+)
 from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT
 from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
 from spacecraft_gnc.scenario import Scenario
 
 _STEP = Layout(UInt64())
 _NOT_YET = -1  # [ns] simulated time before the first state
+_SHOUT_PERIOD = 1.0  # [s] wall between two reports of lost messages
+
+Record = Callable[[bytes, Mapping[str, Any]], None]
+"""Writes one message; its info is that of rclpy."""
 
 
 class RecorderNode(GncNode):
@@ -44,7 +62,9 @@ class RecorderNode(GncNode):
         """Open the bag."""
         self._written = 0
         self._now = _NOT_YET
-        self._early: dict[str, tuple[Callable[[bytes], None], bytes]] = {}
+        self._early: dict[str, tuple[Record, bytes, Mapping[str, Any]]] = {}
+        self._watches: dict[str, SequenceWatch] = {}
+        self._shouted = -_SHOUT_PERIOD
         parameters = scenario.recorder
         folder = parameters.storage_folder or time.strftime("bags/%Y-%m-%d-%H-%M-%S")
         self._bag = BagWriter(
@@ -54,74 +74,116 @@ class RecorderNode(GncNode):
         )
         self.on_close(self._finish_bag)
         self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(scenario))
+        if lock := lock_file():
+            self._bag.attach(LOCK_ATTACHMENT, "text/plain", lock)
+        self._bag.metadata(RUN_RECORD, run_record(scenario, middleware()))
+        others = [name for name in (PLANT, *scenario.plant.peers) if name != RECORDER]
+        self._dump = ParameterDump(self, others, self._on_parameters)
+        self._has_parameters = False
 
     def open(self) -> None:
         """Subscribe to everything that is to be recorded."""
         wanted = self.scenario.recorder.topics
         for topic in TOPICS:
             if topic.is_recorded(wanted):
-                name = self.resolve_topic_name(topic.name)
-                announce(self._bag, name, topic)
                 qos = topic.qos if topic.is_latched else RECORD
-                self.listen(topic, self._writer(topic, name), qos)
+                name = self.resolve_topic_name(topic.name)
+                announce(self._bag, name, topic.type, [topic.qos], gapless=self._is_gapless(topic))
+                self._take(topic, name, qos, self._writer_of_graph(topic, name))
+        self._foreign = ForeignTopics(self, foreign(wanted), self._on_foreign)
         self._publish_recorded = self.advertise(RECORDED).publish
         self.every(FLUSH_PERIOD, self._flush)
 
     def start(self) -> None:
         """Record what is latched and came early."""
-        for record, data in self._early.values():
-            record(data)
+        for record, data, info in self._early.values():
+            record(data, info)
         self._early.clear()
+        self._foreign.look()
 
     def progress(self) -> int:
         """Messages written."""
         return getattr(self, "_written", 0)
 
+    def missing(self) -> tuple[str, ...]:
+        """Topics that still lack a counterpart, then nodes that have not told their parameters."""
+        topics = super().missing()
+        if topics or self._dump.done:
+            return topics
+        self._dump.ask()  # everybody is there and has declared them
+        return (PARAMETERS_ATTACHMENT,)
+
+    def _on_parameters(self) -> None:
+        try:
+            self._attach_parameters()
+        except RecordingError as error:  # nothing may escape into the executor
+            self.fail(error)
+        self._call_roll()
+
+    def _attach_parameters(self) -> None:
+        if not self._has_parameters:
+            self._has_parameters = True
+            text = self._dump.text().encode()
+            self._bag.attach(PARAMETERS_ATTACHMENT, "application/yaml", text)
+
     def _finish_bag(self) -> None:
         """Close the bag, and shout if it is not complete."""
-        counts = self._bag.counts
-        if self._written:
-            self._bag.close()
-            self.get_logger().info(f"{self._written} messages in {self._bag.folder}")
-        else:
+        if not self._written:
             self._bag.abort()  # nothing that looks like a recording is left behind
-        gapless = {self.resolve_topic_name(topic.name) for topic in self._gapless()}
-        lost = {n: count.gaps for n, count in counts.items() if count.gaps and n in gapless}
+            return
+        if self.failure is None:  # else the bag may be closed already, and stays unfinished
+            self._attach_parameters()
+        self._bag.close()
+        self.get_logger().info(f"{self._written} messages in {self._bag.folder}")
+        lost = {name: count.lost for name, count in self._bag.counts.items() if count.lost}
         if lost:
-            self.get_logger().error(f"MESSAGES LOST, the bag has gaps (steps by topic): {lost}")
+            self.get_logger().error(f"MESSAGES LOST, the bag has gaps (messages by topic): {lost}")
+        if self._foreign.waiting:
+            names = ", ".join(self._foreign.waiting)
+            self.get_logger().error(f"nobody published on {names}: nothing of it is in the bag")
 
-    def _gapless(self) -> Iterator[Topic]:
-        """Yield the topics that were published at every step, so that a gap means a loss."""
+    def _is_gapless(self, topic: Topic) -> bool:
+        """Tell whether a topic is published at every step, so that a gap means a loss."""
         free_run = self.scenario.plant.mode == "free_run"
-        for topic in TOPICS:
-            # In free_run a late answer is no loss; timing is reported by wall time in lockstep.
-            if topic is not WALL_TIMING and (not free_run or PLANT in topic.publishers):
-                yield topic
+        # In free_run a late answer is no loss; timing is reported by wall time in lockstep.
+        return topic is not WALL_TIMING and (not free_run or PLANT in topic.publishers)
 
-    def _writer(self, topic: Topic, name: str) -> Callable[[bytes], None]:
-        """Return the callback of one topic: the hot path, once for every message of the graph."""
+    # The hot path: once for every message.
+
+    def _take(self, topic: Topic, name: str, qos: QoSProfile, write: Record) -> None:
+        """Subscribe to a topic; count what is lost on the way."""
+        self._watches[name] = watch = SequenceWatch()
+        see = watch.see
+
+        def record(data: bytes, info: Mapping[str, Any]) -> None:
+            if see(info):
+                self._on_loss(name)
+            try:
+                write(data, info)
+            except RecordingError as error:
+                self.fail(error)
+            except struct.error:
+                self.refuse(topic, f"{len(data)} bytes without a time stamp")
+
+        self.listen(topic, record, qos, watch)
+
+    def _writer_of_graph(self, topic: Topic, name: str) -> Record:
+        """Return what writes a topic of the graph, whose times are simulated."""
         write, time_of = self._bag.write, message_time(topic)
         is_state = topic is STATE
         last = b""
 
-        def record(data: bytes) -> None:
+        def record(data: bytes, info: Mapping[str, Any]) -> None:
             nonlocal last
             if data == last:
                 return  # a repeat after a stall
             if not self.active:
                 if topic.is_latched:
-                    self._early[name] = (record, data)
+                    self._early[name] = (record, data, info)
                 return
             last = data
-            try:
-                stamp = max(self._now, 0) if time_of is None else time_of(data)
-                write(name, stamp, stamp, data)
-            except RecordingError as error:
-                self.fail(error)
-                return
-            except struct.error:
-                self.refuse(topic, f"{len(data)} bytes without a time stamp")
-                return
+            stamp = max(self._now, 0) if time_of is None else time_of(data)
+            write(name, stamp, stamp, data)
             self._written += 1
             if is_state:
                 self._tell_progress(data, first=self._now < 0)
@@ -129,10 +191,54 @@ class RecorderNode(GncNode):
 
         return record
 
+    def _on_foreign(self, topic: Topic, publishers: list[Any]) -> None:
+        offered = [info.qos_profile for info in publishers]
+        announce(self._bag, topic.name, topic.type, offered, gapless=False)
+        self._take(topic, topic.name, topic.qos, self._writer_of_foreign(topic.name))
+        self.get_logger().info(f"records {topic.name} too")
+
+    def _writer_of_foreign(self, name: str) -> Record:
+        """Return what writes another topic: at the time of reception, on the time line of the bag.
+
+        That is simulated time wherever there is any, for a bag has one time line.
+        """
+        write, now = self._bag.write, self.get_clock().now
+        wanted = self.scenario.recorder.topics
+        simulated = STATE.is_recorded(wanted) or bool(self.count_publishers(CLOCK.name))
+
+        def record(data: bytes, info: Mapping[str, Any]) -> None:
+            if not self.active:
+                return
+            if simulated:
+                stamp = now().nanoseconds
+                write(name, stamp, stamp, data)
+            else:
+                write(name, info["received_timestamp"], info["source_timestamp"], data)
+            self._written += 1
+
+        return record
+
     def _tell_progress(self, state: bytes, *, first: bool) -> None:
         step = step_of(state)
         if step is not None and (first or step % RECORDER_STRIDE == 0):
             self._publish_recorded(_STEP.pack([step]))
+
+    # Beside it.
+
+    def _on_loss(self, name: str) -> None:
+        """Count lost messages in the bag; shout, but not for each of thousands."""
+        self._bag.report_loss(name, self._watches[name].lost)
+        now = time.monotonic()
+        if now - self._shouted >= _SHOUT_PERIOD:
+            self._shouted = now
+            self._shout()
+
+    def _shout(self) -> None:
+        lost = {name: watch.lost for name, watch in self._watches.items() if watch.lost}
+        total = sum(lost.values())
+        text = f"MESSAGES LOST on the way to the recorder: {total} so far, by topic: {lost}"
+        self.get_logger().error(text)
+        self.diagnose(DiagnosticStatus.ERROR, text, {"lost_messages": total})
 
     def _flush(self) -> None:
         try:

@@ -94,3 +94,26 @@ def prepare_folder(folder: Path) -> bool:
             "that can be written; choose another output folder"
         ) from error
     return True
+
+
+def stopped(path: Path, saved: int, error: OSError) -> RecordingError:
+    """Return what to say of a recording that ``error`` ended after ``saved`` messages."""
+    left = f"; {saved} messages are saved" if saved else ""
+    return RecordingError(
+        f"{path}: recording stopped ({os.strerror(error.errno or 0)}){left}; required a "
+        "writable folder with free space; free some or choose another output folder"
+    )
+
+
+def refused_message(
+    path: Path, topic: str, is_announced: bool, log_time_ns: int, publish_time_ns: int
+) -> RecordingError:
+    """Return what to say of a message that cannot be written."""
+    if not is_announced:
+        return RecordingError(
+            f"{topic}: not announced to {path}, or the bag is closed; call add_topic first"
+        )
+    return RecordingError(
+        f"{topic}: received log time {log_time_ns} ns and publish time {publish_time_ns} ns; "
+        "required not negative; give nanoseconds of one clock"
+    )

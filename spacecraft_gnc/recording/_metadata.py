@@ -6,13 +6,24 @@ Source: rosbag2 (Jazzy), ``rosbag2_storage/yaml.hpp``, bag version 9.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Final, NamedTuple
 
 import yaml
 
-METADATA_NAME = "metadata.yaml"
+METADATA_NAME: Final = "metadata.yaml"
+ROSBAG2_RECORD: Final = "rosbag2"
+"""MCAP metadata record that holds the same."""
+LOSSES_RECORD: Final = "losses"
+"""MCAP metadata record: messages known to be lost, by topic."""
+RECOVERED_RECORD: Final = "recovered"
+"""MCAP metadata record of a bag that was rebuilt: from what, by what, and what it lacks."""
+GAPLESS: Final = "gapless"
+"""Key in the metadata of an MCAP channel: whether a control step without a message is a loss."""
+DISTRO: Final = "jazzy"
+_LOST: Final = "messages_lost"
 _VERSION = 9
 _MAX_STAMP = 2**63 - 1
 
@@ -25,6 +36,8 @@ class TopicSummary(NamedTuple):
     qos_yaml: str
     type_hash: str
     message_count: int
+    lost: int = 0
+    """Messages known to be lost."""
 
 
 class BagSummary(NamedTuple):
@@ -37,6 +50,8 @@ class BagSummary(NamedTuple):
     """Log time of the latest message [ns]."""
     topics: Sequence[TopicSummary]
     ros_distro: str
+    marks: Mapping[str, str] = MappingProxyType({})
+    """More that is to be known at a glance."""
 
     def information(self) -> dict[str, object]:
         """Return the mapping under ``rosbag2_bagfile_information``."""
@@ -62,9 +77,14 @@ class BagSummary(NamedTuple):
                     "message_count": count,
                 }
             ],
-            "custom_data": None,
+            "custom_data": self._losses() | dict(self.marks),
             "ros_distro": self.ros_distro,
         }
+
+    def _losses(self) -> dict[str, str]:
+        """Return what the bag lacks, as rosbag2 wants it: text by key."""
+        lost = {f"{_LOST} {topic.name}": topic.lost for topic in self.topics if topic.lost}
+        return {key: str(n) for key, n in {_LOST: sum(lost.values()), **lost}.items()}
 
 
 def _topic_entry(topic: TopicSummary) -> dict[str, object]:
@@ -83,6 +103,17 @@ def _topic_entry(topic: TopicSummary) -> dict[str, object]:
 def dump(mapping: dict[str, object]) -> str:
     """Return YAML text in the order of ``mapping``."""
     return yaml.safe_dump(mapping, sort_keys=False)
+
+
+def read_losses(folder: Path) -> dict[str, int]:
+    """Return the messages known to be lost by topic; none of a bag that is not closed."""
+    try:
+        text = (folder / METADATA_NAME).read_text(encoding="utf-8")
+    except OSError:
+        return {}
+    told = yaml.safe_load(text)["rosbag2_bagfile_information"]["custom_data"] or {}
+    words = ((key.split(" "), value) for key, value in told.items())
+    return {key[1]: int(lost) for key, lost in words if key[0] == _LOST and len(key) == 2}
 
 
 def write_metadata(folder: Path, summary: BagSummary) -> None:

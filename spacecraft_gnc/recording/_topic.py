@@ -6,6 +6,8 @@ import struct
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from spacecraft_gnc.recording._metadata import TopicSummary
+
 _UINT32 = struct.Struct("<I")
 _UINT64 = struct.Struct("<Q")
 _ENCAPSULATION = 4  # bytes before the CDR payload; alignment counts from their end
@@ -22,6 +24,8 @@ class TopicCount(NamedTuple):
     """Control steps that never came (topics whose messages carry a step)."""
     repeats: int
     """Messages of a step that had come before, or that came out of order."""
+    lost: int
+    """Messages known to be lost."""
 
 
 @dataclass(slots=True)
@@ -34,10 +38,30 @@ class Topic:
     type_hash: str
     stepped: bool
     """Whether its messages start with `STEPPED_START`."""
+    gapless: bool = True
+    """Whether a step without a message is a loss."""
+    reported: int = 0
+    """Losses that the receiver knows of."""
     messages: int = 0
     gaps: int = 0
     repeats: int = 0
     next_step: int = 0
+
+    @property
+    def lost(self) -> int:
+        """Messages known to be lost: what the receiver and the steps say is the same loss."""
+        return max(self.reported, self.gaps if self.gapless else 0)
+
+    @property
+    def count(self) -> TopicCount:
+        """What was counted so far."""
+        return TopicCount(self.messages, self.gaps, self.repeats, self.lost)
+
+    def summary(self, name: str) -> TopicSummary:
+        """Return what metadata.yaml says of the topic."""
+        return TopicSummary(
+            name, self.type_name, self.qos_yaml, self.type_hash, self.messages, self.lost
+        )
 
     def count_step(self, data: bytes) -> None:
         """Compare the step of a serialized message with the one expected."""

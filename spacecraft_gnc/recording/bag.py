@@ -196,7 +196,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
             if not allow_unfinished:
                 raise RecordingError(
                     f"{path}: received an unfinished bag (the recorder was killed, or the file is "
-                    "cut off); required a closed one; read what was saved with --unfinished"
+                    f"cut off); required a closed one; save what is whole: gnc recover {path}"
                 )
             folder = Path(stack.enter_context(TemporaryDirectory(prefix="gnc_bag_")))
             source = folder / f"recovered{MCAP_SUFFIX}"

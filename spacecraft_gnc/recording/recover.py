@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from struct import Struct
@@ -35,72 +36,91 @@ def rewrite(source: Path, target: Path) -> int:
     with source.open("rb") as stream, target.open("wb") as output:
         writer = Writer(output, compression=CompressionType.ZSTD)
         writer.start(profile="ros2", library="spacecraft_gnc, recovered")
-        copy = _Copy(writer)
-        for record in whole_records(stream):
+        copy = Copy(writer)
+        for record in WholeRecords(stream):
             copy.add(record)
         writer.finish()  # type: ignore[no-untyped-call]
     return copy.messages
 
 
-def whole_records(stream: IO[bytes]) -> Iterator[McapRecord]:
-    """Yield the records of the data section up to the first that is damaged or cut off."""
-    end = _whole_length(stream)
-    if stream.seek(len(MAGIC)) == end:
-        return
-    for record in StreamReader(stream, skip_magic=True, emit_chunks=True).records:
-        if isinstance(record, Chunk):
-            yield from _chunk_records(record)
-        else:
-            yield record
-        if stream.tell() >= end:
+class WholeRecords:
+    """The records of the data section up to the first that is cut off; damaged chunks are left out.
+
+    Iterate over it once; what is said of the damage holds afterwards.
+
+    Parameters
+    ----------
+    stream
+        An MCAP file, finished or cut off.
+    """
+
+    def __init__(self, stream: IO[bytes]) -> None:
+        self._stream = stream
+        self.size = stream.seek(0, 2)
+        """Of the file [bytes]."""
+        self._end, is_complete = _whole_length(stream, self.size)
+        self.cut = 0 if is_complete else self.size - self._end
+        """Bytes after the last whole record."""
+        self.damaged_chunks = 0
+
+    def __iter__(self) -> Iterator[McapRecord]:
+        """Yield the records; those of a chunk one by one."""
+        stream = self._stream
+        if stream.seek(len(MAGIC)) == self._end:
             return
+        for record in StreamReader(stream, skip_magic=True, emit_chunks=True).records:
+            if isinstance(record, Chunk):
+                yield from self._of_chunk(record)
+            else:
+                yield record
+            if stream.tell() >= self._end:
+                return
+
+    def _of_chunk(self, chunk: Chunk) -> list[McapRecord]:
+        try:
+            return breakup_chunk(chunk, validate_crc=True)
+        except Exception:  # noqa: BLE001  # a torn chunk makes the decompressor raise its own errors
+            self.damaged_chunks += 1
+            return []
 
 
-def _chunk_records(chunk: Chunk) -> list[McapRecord]:
-    try:
-        return breakup_chunk(chunk, validate_crc=True)
-    except Exception:  # noqa: BLE001  # a torn chunk makes the decompressor raise its own errors
-        return []
-
-
-def _whole_length(stream: IO[bytes]) -> int:
-    """Return the offset where the last whole record of the data section ends."""
-    size = stream.seek(0, 2)
+def _whole_length(stream: IO[bytes], size: int) -> tuple[int, bool]:
+    """Return the offset where the last whole record of the data section ends, and if all are."""
     position = len(MAGIC)
     while position + _RECORD_HEAD.size <= size:
         stream.seek(position)
         opcode, length = _RECORD_HEAD.unpack(stream.read(_RECORD_HEAD.size))
+        if opcode in _LAST_OPCODES:
+            return position, True
         following = position + _RECORD_HEAD.size + length
         # Blocks that a power cut left unwritten read as zeros: no record has opcode 0.
-        if opcode == 0 or opcode in _LAST_OPCODES or following > size:
+        if opcode == 0 or following > size:
             break
         position = following
-    return position
+    return position, False
 
 
-class _Copy:
+class Copy:
     """Feeds records into a writer, with the writer's own identifiers."""
 
     def __init__(self, writer: Writer) -> None:
         self._writer = writer
+        self._known: dict[tuple[str, int], int] = {}
+        self.messages = 0
+        self.begin_file()
+
+    def begin_file(self) -> None:
+        """Forget the identifiers of the last file: they hold within one."""
         self._schema_ids: dict[int, int] = {0: 0}
         self._channel_ids: dict[int, int] = {}
-        self.messages = 0
 
     def add(self, record: McapRecord) -> None:
         """Copy one record; indexes are left to the writer."""
         match record:
             case Schema() if record.id not in self._schema_ids:
-                self._schema_ids[record.id] = self._writer.register_schema(
-                    record.name, record.encoding, record.data
-                )
+                self._schema_ids[record.id] = self._schema(record)
             case Channel() if record.id not in self._channel_ids:
-                self._channel_ids[record.id] = self._writer.register_channel(
-                    record.topic,
-                    record.message_encoding,
-                    self._schema_ids[record.schema_id],
-                    record.metadata,
-                )
+                self._channel_ids[record.id] = self._channel(record)
             case Message():
                 self._writer.add_message(
                     self._channel_ids[record.channel_id],
@@ -116,3 +136,20 @@ class _Copy:
                 )
             case Metadata():
                 self._writer.add_metadata(record.name, record.metadata)
+
+    def _schema(self, schema: Schema) -> int:
+        key = schema.name, zlib.crc32(schema.data)
+        if key not in self._known:
+            self._known[key] = self._writer.register_schema(
+                schema.name, schema.encoding, schema.data
+            )
+        return self._known[key]
+
+    def _channel(self, channel: Channel) -> int:
+        schema_id = self._schema_ids[channel.schema_id]
+        key = channel.topic, schema_id
+        if key not in self._known:
+            self._known[key] = self._writer.register_channel(
+                channel.topic, channel.message_encoding, schema_id, channel.metadata
+            )
+        return self._known[key]

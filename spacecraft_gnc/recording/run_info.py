@@ -9,6 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.recording._metadata import LOSSES_RECORD, RECOVERED_RECORD
 from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
 
 SCENARIO_ATTACHMENT: Final = "scenario.yaml"
@@ -62,6 +63,12 @@ class RunInfo:
             )
         if self.scenario_problem:
             lines.append(f"{self.path}: recorded scenario not used: {self.scenario_problem}")
+        if RECOVERED_RECORD in self.metadata:
+            source = self.metadata[RECOVERED_RECORD].get("source", "another")
+            lines.append(f"{self.path}: recovered from {source}, which was cut off")
+        for topic, lost in self.metadata.get(LOSSES_RECORD, {}).items():
+            if lost != "0" and topic.rpartition("/")[2] not in self.missing:
+                lines.append(f"{self.path}: {topic} lost {lost} on the way to the recorder")
         return lines
 
 

@@ -6,7 +6,6 @@ metadata.yaml last and in one step. A folder without it is a bag that was cut of
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -18,10 +17,13 @@ from mcap.writer import CompressionType, Writer
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.recording._file import RecordFile, prepare_folder
+from spacecraft_gnc.recording._file import RecordFile, prepare_folder, refused_message, stopped
 from spacecraft_gnc.recording._metadata import (
+    DISTRO,
+    GAPLESS,
+    LOSSES_RECORD,
+    ROSBAG2_RECORD,
     BagSummary,
-    TopicSummary,
     dump,
     write_metadata,
 )
@@ -49,8 +51,6 @@ class BagWriter:
         Of the chunks: ``zstd``, ``lz4`` or ``none``.
     chunk_size
         Messages are compressed and indexed in chunks of about this size [bytes].
-    ros_distro
-        Written into the metadata.
 
     Raises
     ------
@@ -67,17 +67,16 @@ class BagWriter:
         name: str | None = None,
         compression: str = "zstd",
         chunk_size: int = CHUNK_SIZE,
-        ros_distro: str = "jazzy",
     ) -> None:
         self.folder = Path(folder)
         self.path = self.folder / f"{name or self.folder.resolve().name}_0.mcap"
-        self._ros_distro = ros_distro
         self._chunk_size = chunk_size
         self._topics: dict[str, Topic] = {}
         self._live: dict[str, Topic] = {}  # emptied on closing: write() needs no other check
         self._schema_ids: dict[str, int] = {}
         self._start_ns, self._end_ns = 2**63 - 1, 0
         self._pending = 0
+        self._losses_changed = False
         self._saved_messages = 0
         self._due = time.monotonic() + FLUSH_PERIOD
         self._file: RecordFile | None = None
@@ -105,6 +104,7 @@ class BagWriter:
         *,
         qos_yaml: str = "",
         type_hash: str = "",
+        gapless: bool = True,
     ) -> None:
         """Announce a topic; needed once before its first message.
 
@@ -120,6 +120,8 @@ class BagWriter:
             Offered profiles of the publishers (`recording.qos.qos_yaml`).
         type_hash
             REP-2011 hash ``RIHS01_...``; readers check the definition against it.
+        gapless
+            Whether a control step without a message counts as a loss.
         """
         if topic in self._topics:
             return
@@ -129,10 +131,14 @@ class BagWriter:
                 topic,
                 "cdr",
                 self._schema_id(type_name, schema_text),
-                {"offered_qos_profiles": qos_yaml, "topic_type_hash": type_hash},
+                {
+                    "offered_qos_profiles": qos_yaml,
+                    "topic_type_hash": type_hash,
+                    GAPLESS: str(gapless).lower(),
+                },
             )
         stepped = [*fields(schema_text)][:2] == STEPPED_START
-        self._topics[topic] = Topic(channel_id, type_name, qos_yaml, type_hash, stepped)
+        self._topics[topic] = Topic(channel_id, type_name, qos_yaml, type_hash, stepped, gapless)
         self._live[topic] = self._topics[topic]
 
     def write(self, topic: str, log_time_ns: int, publish_time_ns: int, data: bytes) -> None:
@@ -152,7 +158,7 @@ class BagWriter:
         """
         entry = self._live.get(topic)
         if entry is None or log_time_ns < 0 or publish_time_ns < 0:
-            raise self._refusal(topic, log_time_ns, publish_time_ns)
+            raise refused_message(self.path, topic, entry is not None, log_time_ns, publish_time_ns)
         self._mcap.add_message(entry.channel_id, log_time_ns, data, publish_time_ns, entry.messages)
         entry.messages += 1
         if entry.stepped:
@@ -163,10 +169,17 @@ class BagWriter:
         if self._pending >= self._chunk_size or time.monotonic() >= self._due:
             self.flush()
 
+    def report_loss(self, topic: str, lost: int) -> None:
+        """Tell how many messages of a topic were lost, all in all, on their way to the writer."""
+        self._topics[topic].reported = lost
+        self._losses_changed = True
+
     def flush(self) -> None:
         """Hand everything written so far to the operating system: a killed process keeps it."""
         with self._saving():
             self._mcap.flush()  # type: ignore[no-untyped-call]
+        if self._losses_changed:
+            self._add_losses()
         self._saved_messages = sum(topic.messages for topic in self._topics.values())
         self._pending = 0
         self._due = time.monotonic() + FLUSH_PERIOD
@@ -189,18 +202,15 @@ class BagWriter:
 
     @property
     def counts(self) -> dict[str, TopicCount]:
-        """Messages, gaps and repeats of each topic."""
-        return {
-            name: TopicCount(topic.messages, topic.gaps, topic.repeats)
-            for name, topic in self._topics.items()
-        }
+        """Messages, gaps, repeats and losses of each topic."""
+        return {name: topic.count for name, topic in self._topics.items()}
 
     def close(self) -> None:
         """Finish the bag: index, footer, metadata.yaml. Closing twice does nothing."""
         if self._file is None:
             return
         self.flush()
-        self.metadata("losses", {name: str(count.gaps) for name, count in self.counts.items()})
+        self._add_losses()
         with self._saving() as file:
             self._add_rosbag2_record()
             self._mcap.finish()  # type: ignore[no-untyped-call]
@@ -252,11 +262,7 @@ class BagWriter:
             with suppress(OSError):
                 self._close_file()
         self._remove_if_empty()
-        left = f"; {self._saved_messages} messages are saved" if self._saved_messages else ""
-        return RecordingError(
-            f"{self.path}: recording stopped ({os.strerror(error.errno or 0)}){left}; required a "
-            "writable folder with free space; free some or choose another output folder"
-        )
+        return stopped(self.path, self._saved_messages, error)
 
     def _close_file(self) -> None:
         file, self._file = self._file, None
@@ -272,16 +278,6 @@ class BagWriter:
             if self._made_folder:
                 self.folder.rmdir()
 
-    def _refusal(self, topic: str, log_time_ns: int, publish_time_ns: int) -> RecordingError:
-        if topic not in self._live:
-            return RecordingError(
-                f"{topic}: not announced to {self.path}, or the bag is closed; call add_topic first"
-            )
-        return RecordingError(
-            f"{topic}: received log time {log_time_ns} ns and publish time {publish_time_ns} ns; "
-            "required not negative; give nanoseconds of one clock"
-        )
-
     def _schema_id(self, type_name: str, schema_text: str) -> int:
         if type_name not in self._schema_ids:
             self._schema_ids[type_name] = self._mcap.register_schema(
@@ -289,13 +285,15 @@ class BagWriter:
             )
         return self._schema_ids[type_name]
 
+    def _add_losses(self) -> None:
+        """Say what is missing; a later record of this name replaces an earlier one."""
+        self.metadata(LOSSES_RECORD, {name: str(t.lost) for name, t in self._topics.items()})
+        self._losses_changed = False
+
     def _add_rosbag2_record(self) -> None:
         text = dump(self._summary().information())
-        self._mcap.add_metadata("rosbag2", {"serialized_metadata": text})
+        self._mcap.add_metadata(ROSBAG2_RECORD, {"serialized_metadata": text})
 
     def _summary(self) -> BagSummary:
-        topics = [
-            TopicSummary(name, topic.type_name, topic.qos_yaml, topic.type_hash, topic.messages)
-            for name, topic in self._topics.items()
-        ]
-        return BagSummary(self.path.name, self._start_ns, self._end_ns, topics, self._ros_distro)
+        topics = [topic.summary(name) for name, topic in self._topics.items()]
+        return BagSummary(self.path.name, self._start_ns, self._end_ns, topics, DISTRO)

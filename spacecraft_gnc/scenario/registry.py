@@ -15,6 +15,7 @@ import importlib
 from importlib import metadata
 from typing import Any, Final, NamedTuple
 
+from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
 
@@ -64,6 +65,16 @@ def names(group: str) -> tuple[str, ...]:
 def is_known(group: str, name: str) -> bool:
     """Tell whether ``name`` is known, without importing anything behind it."""
     return name in BUILT_IN[group] or name in names(group)
+
+
+def provider(group: str, name: str) -> str:
+    """Return the distribution behind a name and its version; empty where nothing tells."""
+    if name in BUILT_IN[group]:
+        return f"spacecraft_gnc {__version__}"
+    for entry in metadata.entry_points(group=f"spacecraft_gnc.{group}"):
+        if entry.name == name and entry.dist is not None:
+            return f"{entry.dist.name} {entry.dist.version}"
+    return ""
 
 
 def create(group: str, name: str, scenario: Any) -> Any:

@@ -226,7 +226,7 @@ class RecorderParameters(NodeParameters):
     topics: tuple[str, ...] = parameter(
         Kind.STRING_ARRAY,
         [],
-        "topics to record; empty: all of the graph",
+        "topics to record, of the graph or any other; empty: all of the graph; '*': these too",
         shape=(-1,),
         may_be_empty=True,
         unique=True,
@@ -237,7 +237,7 @@ class RecorderParameters(NodeParameters):
         "folder of the bag; empty: the launcher chooses it, a node alone uses ./bags/<time stamp>",
     )
     compression: str = parameter(
-        Kind.STRING, "none", "compression of the chunks", choices=("none", "zstd")
+        Kind.STRING, "zstd", "compression of the chunks", choices=("none", "zstd")
     )
     chunk_size: int = parameter(
         Kind.INTEGER,

@@ -49,7 +49,7 @@ class Graph:
         if before is not None:
             before()
         self.launcher = Launcher(plan, display or Display(), time.monotonic())
-        if isinstance(display, At):
+        if hasattr(display, "launcher"):
             display.launcher = self.launcher
         self.outcome = self.launcher.run()
         return out

@@ -17,7 +17,7 @@ import spacecraft_gnc
 from spacecraft_gnc.scenario.registry import BUILT_IN
 
 ROOT = Path(__file__).parents[2]
-SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "package.xml")
+SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "package.xml", "requirements.lock")
 SOURCE_FOLDERS = ("config", "resource", "spacecraft_gnc")
 
 
@@ -78,6 +78,7 @@ def test_wheel_holds_the_ros_share_folder(wheel_files: set[str]) -> None:
     assert shared == scenarios | {
         "ament_index/resource_index/packages/spacecraft_gnc",
         "spacecraft_gnc/package.xml",
+        "spacecraft_gnc/requirements.lock",
     }
 
 

@@ -80,7 +80,7 @@ def test_a_file_that_cannot_be_read(tmp_path):
 
 
 def test_a_bag_that_was_cut_off(cut):
-    refused(cut, "received an unfinished bag .* read what was saved with --unfinished")
+    refused(cut, "received an unfinished bag .* save what is whole: gnc recover")
     refused(cut / "bag_0.mcap", "received an unfinished bag")
 
 

@@ -107,6 +107,7 @@ def test_a_lost_state_and_a_lost_torque_are_reported_and_nan(tmp_path):
     assert [line.split(": ")[1] for line in info.warnings()] == [
         "attitude_state lacks step 3",
         "torque_command lacks step 6",
+        "/plant_invariants lost 1 on the way to the recorder",
     ]
     np.testing.assert_array_equal(trajectory.time, FLIGHT.time)
 

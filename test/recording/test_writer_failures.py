@@ -19,7 +19,7 @@ from recording.bags import CODEC
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording import _metadata, writer
 from spacecraft_gnc.recording._file import RecordFile
-from spacecraft_gnc.recording.recover import whole_records
+from spacecraft_gnc.recording.recover import WholeRecords
 from spacecraft_gnc.recording.writer import BagWriter
 
 STRING = "std_msgs/msg/String"
@@ -54,7 +54,7 @@ def disk(monkeypatch):
 
 def messages_in(path):
     with path.open("rb") as stream:
-        return [item.data for item in whole_records(stream) if type(item).__name__ == "Message"]
+        return [item.data for item in WholeRecords(stream) if type(item).__name__ == "Message"]
 
 
 def record_until_full(folder):
@@ -95,7 +95,7 @@ def test_the_file_ends_with_a_whole_record_after_a_full_disk(tmp_path, disk):
     disk(20_000)
     bag, _, _ = record_until_full(tmp_path / "bag")
     with bag.path.open("rb") as stream:
-        for _ in whole_records(stream):
+        for _ in WholeRecords(stream):
             pass
         assert stream.tell() == bag.path.stat().st_size
 
