@@ -75,8 +75,8 @@ class Rebuilt:
 
 def default_folder(source: Path) -> Path:
     """Return where a bag is rebuilt unless told otherwise: beside it."""
-    name = source.resolve().name.removesuffix(MCAP_SUFFIX)
-    return source.resolve().parent / f"{name}-recovered"
+    named = source if source.name not in {"", ".."} else source.resolve()  # "." has no name
+    return named.with_name(f"{named.name.removesuffix(MCAP_SUFFIX)}-recovered")
 
 
 def rebuild(

@@ -15,6 +15,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "analysis.md"
 _BLOCK = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_SCRIPT = re.compile(r"`(\w+\.py)`:\n\n^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _EXIT_CODE = re.compile(r"# exit code (\d)$")
 _NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)*(?:e[-+]?\d+)?")
 
@@ -38,9 +39,11 @@ def shown() -> Iterator[Shown]:
 
 @pytest.fixture(scope="module")
 def shell(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, str]]:
-    """Return a folder that looks like a checkout, and an environment whose ``gnc`` is this one."""
+    """Return a folder with the page's scripts, and an environment whose ``gnc`` is this one."""
     folder = tmp_path_factory.mktemp("page")
     (folder / "config").symlink_to(ROOT / "config")
+    for name, text in _SCRIPT.findall(PAGE.read_text(encoding="utf-8")):
+        (folder / name).write_text(text, encoding="utf-8")
     bin_folder = folder / "bin"
     bin_folder.mkdir()
     for name, arguments in {"gnc": "-m spacecraft_gnc", "python": ""}.items():
