@@ -39,7 +39,7 @@ help: ## list the targets
 setup: $(STAMPS)/messages $(STAMPS)/package $(STAMPS)/kernels ## install everything into .venv, build the messages, compile the kernels
 	@:
 
-demo: setup ## fly Gupta's Case I through the node graph, record it, compare it with the paper, draw it
+demo: setup ## fly Gupta's Case I through the node graph, record it, audit it, report it, compare it with the paper
 	@$(BIN)/python tools/demo.py
 
 test: lint ## set up, check style and types, run every test

@@ -1,4 +1,4 @@
-"""Fly Gupta's Case I through the node graph, compare the flight with the paper's, and draw it.
+"""Fly Gupta's Case I through the node graph, audit it, draw it, compare it with the paper's.
 
 The steps of `make demo`; each can be done by hand with the commands printed. Case I is section IV-A
 of R. Gupta et al., "Constrained spacecraft attitude control on SO(3) using fast nonlinear model
@@ -37,6 +37,8 @@ def main() -> int:
     figures = folder / "figures"
     for command in (
         ["launch", str(SCENARIO), "--out", str(folder)],
+        ["audit", str(folder)],
+        ["report", str(folder), "--out", str(folder / "report.html"), *TITLE],
         ["plot", str(folder / "bag"), "--out", str(figures), "--format", "png", "--quiet", *TITLE],
     ):
         print(f"\n$ gnc {' '.join(command)}", flush=True)
@@ -49,6 +51,7 @@ def main() -> int:
     print(
         f"""
 The flight lies in {folder}/:
+  report.html              everything about it, for a browser: attitude in 3-D, curves, audit
   figures/overview.png     the whole flight in one picture; others lie beside it
   bag/                     every message, for any reader of ROS 2 bags
   logs/                    what each node said
@@ -58,6 +61,8 @@ Try next:
   {GNC} launch {SCENARIO} --set nmpc_controller.max_torque=0.005
   {GNC} simulate {SCENARIO} --set "plant.initial_rotation_vector=[0.0, 0.0, 3.0]"
   {GNC} launch {SCENARIO} --mode free_run --rate 10
+  {GNC} replay {folder} --method neighboring_extremal
+  {GNC} view {folder}
 and edit a copy of {SCENARIO}: `{GNC} check COPY.yaml` tells what it lacks."""
     )
     return 0
