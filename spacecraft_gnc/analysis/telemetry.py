@@ -71,7 +71,9 @@ def read_telemetry(
     if path.suffix == NPZ_SUFFIX and not path.is_dir():
         return computed(trajectory, scenario)
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
-        topics = read_columns(bag, (SOLVER_STATUS, INVARIANTS), leave_out=_PLANS)
+        topics = read_columns(
+            bag, (SOLVER_STATUS, INVARIANTS), flight.info.namespace, leave_out=_PLANS
+        )
     n, solves, plant = trajectory.n_steps, topics[SOLVER_STATUS], topics[INVARIANTS]
     from_states = computed(trajectory, scenario)
     recorded = bool(plant.steps.size)

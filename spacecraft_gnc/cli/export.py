@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.cli._common import JsonOption, NamespaceOption, QuietOption, print_json
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.cli.plot import UnfinishedOption
 from spacecraft_gnc.errors import RecordingError
@@ -54,6 +54,7 @@ def export(
     out: OutOption = None,
     topics: TopicsOption = None,
     force: ForceOption = False,
+    namespace: NamespaceOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -68,7 +69,13 @@ def export(
     target = out if out is not None else Path(f"{run_name(bag)}.{kind.value}")
     _require_free(target, kind.value, force)
     with show_progress("reading", silent=quiet) as progress:
-        found = read_export(bag, topics or (), allow_unfinished=unfinished, progress=progress)
+        found = read_export(
+            bag,
+            topics or (),
+            namespace=namespace,
+            allow_unfinished=unfinished,
+            progress=progress,
+        )
         progress(0, 1, "writing")
         files = write_export(found, target, kind.value, progress)
     if found.left_out and not quiet:

@@ -50,7 +50,11 @@ class Torques(NamedTuple):
 
 
 def load_run(
-    path: Path | str, *, allow_unfinished: bool = False, progress: Progress | None = None
+    path: Path | str,
+    *,
+    namespace: str | None = None,
+    allow_unfinished: bool = False,
+    progress: Progress | None = None,
 ) -> Flight:
     """Read a run: bag folder, .mcap file, or .npz file of ``gnc simulate --out``.
 
@@ -58,6 +62,8 @@ def load_run(
     ----------
     path
         What to read.
+    namespace
+        Of the spacecraft, where a bag holds several.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
     progress
@@ -71,7 +77,9 @@ def load_run(
     path = Path(path)
     if path.suffix == NPZ_SUFFIX and not path.is_dir():
         return Flight(Trajectory.load(path), RunInfo(path=path))
-    return read_flight(path, allow_unfinished=allow_unfinished, progress=progress)
+    return read_flight(
+        path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
+    )
 
 
 def read_flight(
@@ -115,6 +123,7 @@ def read_flight(
             scenario=scenario,
             scenario_text=text,
             scenario_problem=problem,
+            namespace=namespace,
             unfinished=bag.unfinished,
             missing=_missing(columns, torques),
             overridden=_overridden(columns),

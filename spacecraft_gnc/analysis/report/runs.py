@@ -12,6 +12,7 @@ from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
 from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
 from spacecraft_gnc.recording.reader import load_run
+from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
 from spacecraft_gnc.recording.steps import WALL_TIMING
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ class Run:
         if self.verdict.passed is False:
             lines.append(f"the audit failed: {self.verdict.text}")
         if self.scenario is None:
-            lines.append("the scenario is not known: no torque limit, no zones, no cost")
+            lines.append(UNKNOWN_SCENARIO)
         return lines
 
 
@@ -85,6 +86,7 @@ def read_run(
     name: str,
     scenario: Scenario | None = None,
     *,
+    namespace: str | None = None,
     allow_unfinished: bool = False,
     progress: Watch | None = None,
 ) -> Run:
@@ -98,6 +100,8 @@ def read_run(
         How the report calls it.
     scenario
         Used where the recording does not hold its own.
+    namespace
+        Of the spacecraft, where the bag holds several.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
     progress
@@ -108,7 +112,7 @@ def read_run(
     RecordingError
         If it cannot be read.
     """
-    flight = load_run(path, allow_unfinished=allow_unfinished)
+    flight = load_run(path, namespace=namespace, allow_unfinished=allow_unfinished)
     known = flight.info.scenario or scenario
     return Run(
         name=name,
@@ -117,5 +121,7 @@ def read_run(
         telemetry=read_telemetry(flight, known, allow_unfinished=allow_unfinished),
         scenario=known,
         metrics=summarize(flight.trajectory, known),
-        verdict=audit_verdict(path, allow_unfinished=allow_unfinished, progress=progress),
+        verdict=audit_verdict(
+            path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
+        ),
     )
