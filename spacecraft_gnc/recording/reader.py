@@ -149,6 +149,22 @@ def acted(columns: Mapping[str, Columns]) -> Torques:
     return Torques(acted, np.concatenate(torque)[first], np.concatenate(source)[first])
 
 
+def require_reach(bag: Bag, *steps: NDArray[np.int64]) -> None:
+    """Refuse a step number far beyond what was recorded, which would make arrays of any size.
+
+    Raises
+    ------
+    RecordingError
+        If there is one.
+    """
+    count, last = sum(each.size for each in steps), max(each.max(initial=0) for each in steps)
+    if last > _MOST_LOST * count:
+        raise RecordingError(
+            f"{bag.path}: received {count} messages and one of them at step {last}; required one "
+            f"at least every {_MOST_LOST} steps; a step number is damaged, or most was lost"
+        )
+
+
 def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> int:
     """Return the number of whole control steps: those with a state before and after them.
 
@@ -158,12 +174,8 @@ def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> i
         If there is none, or a step number lies far beyond what was recorded.
     """
     states = columns[STATE].steps
-    count, last = 0, max(states.max(initial=0), torques.steps.max(initial=0))
-    if last > _MOST_LOST * (states.size + torques.steps.size):
-        raise RecordingError(
-            f"{bag.path}: received {states.size} states and a message at step {last}; required a "
-            f"state at least every {_MOST_LOST} steps; a step number is damaged, or most was lost"
-        )
+    count = 0
+    require_reach(bag, states, torques.steps)
     if states.size and torques.steps.size:
         count = int(min(torques.steps[-1] + 1, states[-1]))
     if count < 1 or count not in states:

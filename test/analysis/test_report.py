@@ -15,6 +15,7 @@ from analysis.report_pages import NASTY, SCENARIO, bag, flight, page
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report import read_run, report_html
+from spacecraft_gnc.analysis.report.tables import _rounded
 from spacecraft_gnc.analysis.sources import stretches
 from spacecraft_gnc.cli.main import main
 
@@ -241,7 +242,39 @@ def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, capsys, name, reason
     assert not (tmp_path / "r.html").exists()
 
 
-def test_a_folder_that_is_missing_is_one_line(tmp_path, capsys):
-    path = flight().save(tmp_path / "two.npz")
-    assert run_command(path, "-o", tmp_path / "none" / "r.html") == 2
-    assert "cannot be written" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        (".", "no .html file"),
+        ("", "no .html file"),
+        ("page.pdf", "no .html file"),
+        ("page.html", "a directory"),
+        ("none/page.html", "in a folder that does not exist"),
+    ],
+)
+def test_a_page_that_cannot_be_is_refused_before_anything_is_read(
+    tmp_path, capsys, monkeypatch, name, reason
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "page.html").mkdir()
+    assert run_command(tmp_path / "none.npz", "-o", name) == 2
+    (error,) = capsys.readouterr().err.splitlines()
+    assert error.startswith("error: --out: received ")
+    assert f"{reason}; required a .html file in a writable folder; " in error
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "sign", "text"),
+    [
+        (100_000, 5, "", "100000"),
+        (123_456, 5, "", "123456"),
+        (45070.4, 4, "", "45070"),
+        (99999.6, 5, "", "100000"),
+        (44624.9, 3, "+", "+44625"),
+        (0.0123456, 3, "", "0.0123"),
+        (-1234.56, 3, "+", "-1235"),
+        (1e15, 5, "", "1e+15"),
+    ],
+)
+def test_counts_and_long_times_are_written_out(value, digits, sign, text):
+    assert _rounded(value, digits, sign) == text

@@ -14,6 +14,7 @@ from spacecraft_gnc.analysis.export.field_text import FieldText, field_texts
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
+from spacecraft_gnc.recording.reader import require_reach
 from spacecraft_gnc.recording.steps import TYPES, namespace_topics
 
 STEP: Final = "step"
@@ -129,6 +130,12 @@ def read_export(
             for name in wanted
             if columns[name].steps.size
         )
+        if not topics:
+            raise RecordingError(
+                f"{path}: received 0 states and 0 torques; required at least one whole control "
+                "step; record a longer run"
+            )
+        require_reach(bag, *(topic.steps for topic in topics))
         left_out = tuple(sorted(topic for name, topic in recorded.items() if name not in TYPES))
     return Export(path, topics, () if names else left_out)
 

@@ -157,7 +157,7 @@ def _number(row: _Row, value: float | None) -> str:
 
 def _rounded(value: float, digits: int, sign: str = "") -> str:
     """Return a number with so many digits, and every one before the point: counts are exact."""
-    if 10.0**digits <= abs(value) < _EXPONENT_FROM:
+    if 10.0**digits - 0.5 <= abs(value) < _EXPONENT_FROM:
         return f"{value:{sign}.0f}"
     return f"{value:{sign}.{digits}g}"
 
