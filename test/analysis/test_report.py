@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from analysis.flights import at_rest, case1
 from analysis.report_pages import NASTY, SCENARIO, bag, flight, page
+from flown_bags import fly, sections
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report import read_run, report_html
@@ -141,6 +142,19 @@ def test_missed_deadlines_are_drawn_and_counted(tmp_path):
     assert "solves that ended after their deadline: 5" in seen.text
     drawn = numbers(seen.chart("slack")["figure"]["data"][0]["y"])
     np.testing.assert_allclose(drawn, slack, rtol=1e-12)
+
+
+def test_late_torques_of_a_free_run_are_told(tmp_path):
+    """A solve that ended in time may reach the plant late: only the plant knows."""
+    free = sections(plant={"mode": "free_run"})
+    run = read_run(fly(tmp_path, free, late=(3, 7)), "run")
+    assert run.metrics["missed_deadlines"] == 2
+    assert "torques that came after their deadline: 2" in run.warnings()
+    assert "Deadlines missed" in Page(report_html([run])).text
+    (tmp_path / "lockstep").mkdir()
+    run = read_run(fly(tmp_path / "lockstep"), "run")
+    assert run.metrics["missed_deadlines"] is None
+    assert "Deadlines missed" not in Page(report_html([run])).text
 
 
 def test_a_failed_audit_is_a_warning(tmp_path):

@@ -36,7 +36,7 @@ class Run:
     scenario
         What flew, from the recording or from the user; None: not known.
     metrics
-        As `metrics.summarize` gives them.
+        As `metrics.summarize` gives them, and ``missed_deadlines`` (None: no free run).
     verdict
         Of the audit.
     """
@@ -65,6 +65,9 @@ class Run:
         for key, what in counted.items():
             if self.metrics[key]:
                 lines.append(f"{what}: {self.metrics[key]}")
+        if self.telemetry.missed_deadlines:
+            missed = self.telemetry.missed_deadlines
+            lines.append(f"torques that came after their deadline: {missed}")
         late = int(np.count_nonzero(self.telemetry.deadline_slack < 0.0))
         if late:
             lines.append(f"solves that ended after their deadline: {late}")
@@ -114,13 +117,15 @@ def read_run(
     """
     flight = load_run(path, namespace=namespace, allow_unfinished=allow_unfinished)
     known = flight.info.scenario or scenario
+    telemetry = read_telemetry(flight, known, allow_unfinished=allow_unfinished)
+    missed = {"missed_deadlines": telemetry.missed_deadlines}
     return Run(
         name=name,
         trajectory=flight.trajectory,
         info=flight.info,
-        telemetry=read_telemetry(flight, known, allow_unfinished=allow_unfinished),
+        telemetry=telemetry,
         scenario=known,
-        metrics=summarize(flight.trajectory, known),
+        metrics=summarize(flight.trajectory, known) | missed,
         verdict=audit_verdict(
             path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
         ),

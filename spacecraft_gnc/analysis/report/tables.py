@@ -42,6 +42,7 @@ _ROWS: Final = (
     _Row("Solve time, median", "solve_time_median", "µs", 4, 1e6),
     _Row("Solve time, 99 %", "solve_time_p99", "µs", 4, 1e6),
     _Row("Solve time, longest", "solve_time_max", "µs", 4, 1e6),
+    _Row("Deadlines missed", "missed_deadlines"),
     _Row("Solves not converged", "unconverged_steps"),
     _Row("Steps at a standstill", "stalled_steps"),
     _Row("Steps leaving a standstill", "escaping_steps"),
