@@ -79,10 +79,13 @@ def solve_again(wish: Solving) -> None:
         for file in files:
             print(file)
     if check == "differs":
+        doubt = "it was restarted, or flew in another version or elsewhere"
+        if flight.info.scenario is None:
+            doubt = f"--scenario names what flew, and whether {doubt}"
         raise RunFailed(
             f"{wish.source}: step {numbers['first_difference']}: {recorded.controller.method} "
             "commands another torque than it did in this lockstep flight; required the same bit "
-            "for bit; find out whether it was restarted, or flew in another version or elsewhere"
+            f"for bit; find out whether {doubt}"
         )
 
 
