@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 SETTLE_THRESHOLDS_DEG: Final = (5.0, 1.0, 0.1)
 _SATURATION = 1.0 - 1e-6  # share of the limit: the penalty lets the norm end just beside it
+_FEEDBACK: Final = "feedback"
 _SAME_ATTITUDE = 1e-9  # largest difference of entries
 
 
@@ -47,7 +48,8 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         constraint even with the last reference held), ``min_governor_margin`` (of its predictions,
         in the unit of each one's nearest constraint),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
-        stage costs), ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
+        stage costs; None of a feedback law, which minimises none),
+        ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
         ``escaping_steps`` (at rest away from the target, and leaving there),
         ``solve_time_median``, ``_p99``, ``_max`` [s],
@@ -140,7 +142,7 @@ def _torque_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[s
     norm = series.torque_norm(trajectory)
     limit = series.torque_limit(trajectory, scenario)
     cost = None
-    if scenario is not None:
+    if scenario is not None and scenario.controller.method != _FEEDBACK:  # that law has no weights
         cost = _number(np.nansum(series.stage_costs(trajectory, scenario.controller.weights)))
     return {
         "max_torque": _number(_largest(norm)),
@@ -164,7 +166,7 @@ def _zone_metrics(
 def _solver_metrics(
     trajectory: Trajectory, controller: ControllerParameters | None
 ) -> dict[str, Any]:
-    own = controller is not None and controller.method == "feedback"
+    own = controller is not None and controller.method == _FEEDBACK
     fallback = trajectory.source > (Source.FEEDBACK if own else Source.NEIGHBORING_EXTREMAL)
     solved = trajectory.status >= 0
     iterations = trajectory.iterations[solved]

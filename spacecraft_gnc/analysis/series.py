@@ -121,8 +121,8 @@ def solve_deadline(scenario: Scenario | None) -> tuple[float, str]:
         return 0.0, ""
     if scenario.plant.mode == "free_run":
         deadline = scenario.period / scenario.plant.real_time_factor
-        return deadline, f"deadline {deadline:g} s"
-    return scenario.period, f"control period {scenario.period:g} s"
+        return deadline, f"deadline {1e3 * deadline:.4g} ms"
+    return scenario.period, f"control period {1e3 * scenario.period:.4g} ms"
 
 
 def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:

@@ -12,7 +12,7 @@ from spacecraft_gnc.analysis import series
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
 from spacecraft_gnc.recording.reader import NPZ_SUFFIX
-from spacecraft_gnc.recording.steps import INVARIANTS, SOLVER_STATUS
+from spacecraft_gnc.recording.steps import INVARIANTS, SOLVER_STATUS, WALL_TIMING
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ class Telemetry:
         Frobenius norm of R^T R - I.
     invariants_recorded : bool
         Whether the plant published the last three; else they are computed from the states.
+    missed_deadlines : int or None
+        Steps of a free run whose torque came too late, as the plant counted; None: no free run.
     """
 
     min_curvature: Array
@@ -52,6 +54,7 @@ class Telemetry:
     inertial_momentum: Array
     orthogonality_error: Array
     invariants_recorded: bool
+    missed_deadlines: int | None = None
 
 
 def read_telemetry(
@@ -71,7 +74,9 @@ def read_telemetry(
     if path.suffix == NPZ_SUFFIX and not path.is_dir():
         return computed(trajectory, scenario)
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
-        topics = read_columns(bag, (SOLVER_STATUS, INVARIANTS), leave_out=_PLANS)
+        topics = read_columns(
+            bag, (SOLVER_STATUS, INVARIANTS, WALL_TIMING), flight.info.namespace, leave_out=_PLANS
+        )
     n, solves, plant = trajectory.n_steps, topics[SOLVER_STATUS], topics[INVARIANTS]
     from_states = computed(trajectory, scenario)
     recorded = bool(plant.steps.size)
@@ -89,6 +94,7 @@ def read_telemetry(
         if recorded
         else from_states.orthogonality_error,
         invariants_recorded=recorded,
+        missed_deadlines=_missed_deadlines(topics[WALL_TIMING], flight.info.scenario),
     )
 
 
@@ -110,6 +116,12 @@ def computed(trajectory: Trajectory, scenario: Scenario | None = None) -> Teleme
         orthogonality_error=np.asarray(np.linalg.norm(defect, axis=(1, 2))),
         invariants_recorded=False,
     )
+
+
+def _missed_deadlines(timing: Columns, scenario: Scenario | None) -> int | None:
+    """Return the last count of the plant; it grows only."""
+    free = scenario is not None and scenario.plant.mode == "free_run"
+    return int(timing.fields["missed_deadlines"].max()) if free and timing.steps.size else None
 
 
 def _by_step(columns: Columns, name: str, n: int, shape: tuple[int, ...] = ()) -> Array:

@@ -28,7 +28,11 @@ class Verdict(NamedTuple):
 
 
 def audit_verdict(
-    path: Path, *, allow_unfinished: bool = False, progress: Watch | None = None
+    path: Path,
+    *,
+    namespace: str | None = None,
+    allow_unfinished: bool = False,
+    progress: Watch | None = None,
 ) -> Verdict:
     """Audit a recording.
 
@@ -40,7 +44,9 @@ def audit_verdict(
     from spacecraft_gnc.analysis.audit.run import audit_bag  # loads the kernels
 
     try:
-        audit = audit_bag(path, allow_unfinished=allow_unfinished, progress=progress)
+        audit = audit_bag(
+            path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
+        )
     except GncError as error:
         return Verdict(None, f"not audited: {error}")
     return Verdict(audit.passed, _sentence(audit), tuple(_lines(audit)))

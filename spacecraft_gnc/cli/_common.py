@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.errors import GncError, RecordingError
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.recording.run_info import RunInfo
+    from spacecraft_gnc.scenario import Scenario
 
 ScenarioArgument = Annotated[
     Path,  # not checked by typer, so that every refusal of a file reads alike
@@ -27,6 +32,12 @@ SetOption = Annotated[
         help="Replace a value of the scenario; VALUE is YAML. May be given several times.",
     ),
 ]
+NamespaceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--namespace", metavar="NAME", help="Of the spacecraft, where the bag holds several."
+    ),
+]
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")
 ]
@@ -37,6 +48,53 @@ class RunFailed(GncError):
     """A run that was accepted did not end well."""
 
     exit_code: ClassVar[int] = 1
+
+
+def given_scenario(path: Path | None) -> Scenario | None:
+    """Return the scenario of ``--scenario``; None where it was not given."""
+    if path is None:
+        return None
+    from spacecraft_gnc.scenario import load
+
+    return load(path)
+
+
+def known_scenario(info: RunInfo, given: Scenario | None) -> Scenario | None:
+    """Return the scenario that a run holds, else the one that was given.
+
+    A given one that the run does not need is told of: it did not fly.
+    """
+    if info.scenario is None:
+        return given
+    if given is not None:
+        print(f"note: {info.path}: holds what flew; --scenario is not used", file=sys.stderr)
+    return info.scenario
+
+
+def require_writable(out: Path, suffix: str) -> None:
+    """Refuse an output file that could not be written, before anything is computed.
+
+    Raises
+    ------
+    RecordingError
+        If the name does not end in ``suffix``, or its folder is missing or not writable.
+    """
+    folder = out.parent
+    if out.suffix != suffix:
+        name = Path(out.name or "flight").with_suffix(suffix)
+        problem, remedy = f"no {suffix} file", f"name it {name}"
+    elif out.is_dir():
+        problem, remedy = "a directory", "name a file in it"
+    elif not folder.is_dir():
+        problem, remedy = "in a folder that does not exist", f"create it: mkdir -p {folder}"
+    elif not os.access(folder, os.W_OK | os.X_OK):
+        problem, remedy = "in a folder that is not writable", "choose another folder"
+    else:
+        return
+    raise RecordingError(
+        f"--out: received {str(out)!r}, {problem}; required a {suffix} file in a writable folder; "
+        f"{remedy}"
+    )
 
 
 def print_json(values: Mapping[str, Any]) -> None:

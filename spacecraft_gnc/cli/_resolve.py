@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from spacecraft_gnc.cli._common import RunFailed, print_json
+from spacecraft_gnc.cli._common import RunFailed, given_scenario, known_scenario, print_json
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError, RecordingError
 
@@ -29,6 +29,7 @@ class Solving(NamedTuple):
     scenario: Path | None
     steps: str | None
     cold: bool
+    namespace: str | None
     unfinished: bool
     out: Path | None
     as_json: bool
@@ -48,7 +49,7 @@ def solve_again(wish: Solving) -> None:
     from spacecraft_gnc.recording.reader import load_run
     from spacecraft_gnc.scenario import revise
 
-    flight = load_run(wish.source, allow_unfinished=wish.unfinished)
+    flight = load_run(wish.source, namespace=wish.namespace, allow_unfinished=wish.unfinished)
     recorded = _scenario(flight, wish.scenario)
     revised, unread = revise(recorded, wish.overrides, wish.method)
     same = revised.values[_CONTROLLER] == recorded.values[_CONTROLLER]
@@ -78,28 +79,28 @@ def solve_again(wish: Solving) -> None:
         for file in files:
             print(file)
     if check == "differs":
+        doubt = "it was restarted, or flew in another version or elsewhere"
+        if flight.info.scenario is None:
+            doubt = f"--scenario names what flew, and whether {doubt}"
         raise RunFailed(
             f"{wish.source}: step {numbers['first_difference']}: {recorded.controller.method} "
             "commands another torque than it did in this lockstep flight; required the same bit "
-            "for bit; find out whether it was restarted, or flew in another version or elsewhere"
+            f"for bit; find out whether {doubt}"
         )
 
 
 def _scenario(flight: Flight, path: Path | None) -> Scenario:
-    """Return the scenario named on the command line, or else the one in the bag."""
-    if path is not None:
-        from spacecraft_gnc.scenario import load
-
-        return load(path)
+    """Return the scenario in the bag, or else the one named on the command line."""
     info = flight.info
-    if info.scenario is None:
+    scenario = known_scenario(info, given_scenario(path))
+    if scenario is None:
         reason = f" that this version reads ({info.scenario_problem})"
         raise RecordingError(
             f"{info.path}: received a flight without a scenario"
             f"{reason if info.scenario_problem else ''}; required the one that flew, whose "
             "controller is to be compared; name it with --scenario"
         )
-    return info.scenario
+    return scenario
 
 
 def _steps(text: str | None, n_steps: int) -> tuple[int, int]:

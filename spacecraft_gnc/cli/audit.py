@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, RunFailed, print_json
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    NamespaceOption,
+    QuietOption,
+    RunFailed,
+    print_json,
+)
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
@@ -39,10 +45,7 @@ def audit(
             help="Audit what was saved of a bag that was cut off or a flight that was stopped.",
         ),
     ] = False,
-    namespace: Annotated[
-        str | None,
-        typer.Option("--namespace", help="Of the spacecraft, where the bag holds several."),
-    ] = None,
+    namespace: NamespaceOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:

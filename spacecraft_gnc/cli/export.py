@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    NamespaceOption,
+    QuietOption,
+    print_json,
+    require_writable,
+)
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.cli.plot import UnfinishedOption
 from spacecraft_gnc.errors import RecordingError
@@ -54,6 +60,7 @@ def export(
     out: OutOption = None,
     topics: TopicsOption = None,
     force: ForceOption = False,
+    namespace: NamespaceOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -68,7 +75,13 @@ def export(
     target = out if out is not None else Path(f"{run_name(bag)}.{kind.value}")
     _require_free(target, kind.value, force)
     with show_progress("reading", silent=quiet) as progress:
-        found = read_export(bag, topics or (), allow_unfinished=unfinished, progress=progress)
+        found = read_export(
+            bag,
+            topics or (),
+            namespace=namespace,
+            allow_unfinished=unfinished,
+            progress=progress,
+        )
         progress(0, 1, "writing")
         files = write_export(found, target, kind.value, progress)
     if found.left_out and not quiet:
@@ -80,9 +93,10 @@ def export(
 def _require_free(target: Path, kind: str, force: bool) -> None:
     from spacecraft_gnc.analysis.export.formats import units_path
 
+    require_writable(target, f".{kind}")
     for file in (target, units_path(target)) if kind == "csv" else (target,):
         if file.is_dir() or (file.exists() and not force):
-            remedy = "name a file in it" if file.is_dir() else "choose another or pass --force"
+            remedy = "remove it" if file.is_dir() else "choose another or pass --force"
             raise RecordingError(
                 f"--out: received {str(file)!r}, which exists; required a new file; {remedy}"
             )

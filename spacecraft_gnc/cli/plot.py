@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    NamespaceOption,
+    QuietOption,
+    given_scenario,
+    known_scenario,
+    print_json,
+)
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
@@ -89,6 +96,7 @@ def plot(
     scenario: ScenarioOption = None,
     error_scale: ScaleOption = ErrorScale.LOG,
     title: TitleOption = None,
+    namespace: NamespaceOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -98,10 +106,14 @@ def plot(
     from spacecraft_gnc.analysis.metrics import summarize
     from spacecraft_gnc.analysis.run_names import run_names
     from spacecraft_gnc.recording.reader import load_run
+    from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
 
+    given = given_scenario(scenario)
     with show_progress("reading", silent=quiet) as progress:
-        flights = [load_run(path, allow_unfinished=unfinished) for path in sources]
-        known = [_scenario(flight, scenario) for flight in flights]
+        flights = [
+            load_run(path, namespace=namespace, allow_unfinished=unfinished) for path in sources
+        ]
+        known = [known_scenario(flight.info, given) for flight in flights]
         runs = {
             name: _Run(flight, scenario)
             for name, flight, scenario in zip(run_names(sources), flights, known, strict=True)
@@ -114,9 +126,11 @@ def plot(
         for i, name in enumerate(chosen):
             progress(i, len(chosen), f"drawing {name}")
             files += save_figures([(name, makers[name]())], folder, kinds)
-    for flight in flights:
-        for warning in flight.info.warnings():
+    for run in runs.values():
+        for warning in run.flight.info.warnings():
             print(f"warning: {warning}", file=sys.stderr)
+        if run.scenario is None and not quiet:
+            print(f"note: {run.flight.info.path}: {UNKNOWN_SCENARIO}", file=sys.stderr)
     if as_json:
         metrics = {
             name: summarize(run.flight.trajectory, run.scenario) for name, run in runs.items()
@@ -171,12 +185,3 @@ def _chosen(makers: Mapping[str, Maker], only: list[str] | None) -> list[str]:
                 f"{', '.join(makers)}"
             )
     return list(dict.fromkeys(only)) if only else list(makers)
-
-
-def _scenario(flight: Flight, path: Path | None) -> Scenario | None:
-    """Return the scenario named on the command line, or else the one in the bag."""
-    if path is None:
-        return flight.info.scenario
-    from spacecraft_gnc.scenario import load
-
-    return load(path)

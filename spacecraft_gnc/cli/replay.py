@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, SetOption
+from spacecraft_gnc.cli._common import JsonOption, NamespaceOption, QuietOption, SetOption
 from spacecraft_gnc.cli._play import Playing, play
 from spacecraft_gnc.cli._resolve import Solving, solve_again
 from spacecraft_gnc.errors import ParameterError
@@ -104,6 +104,7 @@ def replay(
     wait_for: WaitOption = None,
     patience: PatienceOption = None,
     domain_id: PlayDomainOption = None,
+    namespace: NamespaceOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -131,6 +132,7 @@ def replay(
         "--steps": steps,
         "--cold": cold,
         "--out": out,
+        "--namespace": namespace,
     }
     _refuse(of_solver if publish else of_player, publish)
     if publish:
@@ -159,6 +161,7 @@ def replay(
             scenario=scenario,
             steps=steps,
             cold=cold,
+            namespace=namespace,
             unfinished=unfinished,
             out=out,
             as_json=as_json,

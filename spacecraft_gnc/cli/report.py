@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    NamespaceOption,
+    QuietOption,
+    given_scenario,
+    known_scenario,
+    print_json,
+    require_writable,
+)
 from spacecraft_gnc.cli._progress import Progress, show_progress
 from spacecraft_gnc.cli.plot import ScenarioOption, UnfinishedOption
 
@@ -40,6 +48,7 @@ def report(
     out: OutOption = Path("report.html"),
     scenario: ScenarioOption = None,
     title: TitleOption = "",
+    namespace: NamespaceOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -48,17 +57,23 @@ def report(
     from spacecraft_gnc.analysis.report import read_run, report_html, write_report
     from spacecraft_gnc.analysis.run_names import run_names
 
-    known = None
-    if scenario is not None:
-        from spacecraft_gnc.scenario import load
-
-        known = load(scenario)
+    require_writable(out, ".html")
+    known = given_scenario(scenario)
     runs: list[Run] = []
     with show_progress("reading", silent=quiet) as progress:
         for path, name in zip(sources, run_names(sources), strict=True):
             progress(len(runs), len(sources), f"reading {name}")
             watch = partial(_part, progress, name)
-            runs.append(read_run(path, name, known, allow_unfinished=unfinished, progress=watch))
+            found = read_run(
+                path,
+                name,
+                known,
+                namespace=namespace,
+                allow_unfinished=unfinished,
+                progress=watch,
+            )
+            known_scenario(found.info, known)
+            runs.append(found)
         progress(0, 1, "writing")
         write_report(report_html(runs, title), out)
     _tell(runs, out, as_json=as_json, quiet=quiet)

@@ -17,9 +17,10 @@ from spacecraft_gnc.cli._common import (
     SetOption,
     print_json,
     print_table,
+    require_writable,
 )
 from spacecraft_gnc.cli._progress import show_progress
-from spacecraft_gnc.errors import GncError, ParameterError, RecordingError
+from spacecraft_gnc.errors import GncError, ParameterError
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.closed_loop import ClosedLoop
@@ -52,7 +53,7 @@ def simulate(
 
     checked = load(scenario, overrides or ())
     if out is not None:
-        require_writable(out)
+        require_writable(out, ".npz")
     require_memory(checked.n_steps)
     loop = checked.build()
     for core in (loop.plant, loop.controller, loop.governor):
@@ -72,31 +73,6 @@ def simulate(
         print_table(summary_rows(metrics))
         if out is not None:
             print(f"  written to {out}")
-
-
-def require_writable(out: Path) -> None:
-    """Refuse an output file that could not be written, before anything is computed.
-
-    Raises
-    ------
-    RecordingError
-        If the name does not end in .npz, or its folder is missing or not writable.
-    """
-    folder = out.parent
-    if out.suffix != ".npz":
-        problem, remedy = "no .npz file", f"name it {out.with_suffix('.npz').name}"
-    elif out.is_dir():
-        problem, remedy = "a directory", "name a file in it"
-    elif not folder.is_dir():
-        problem, remedy = "in a folder that does not exist", f"create it: mkdir -p {folder}"
-    elif not os.access(folder, os.W_OK | os.X_OK):
-        problem, remedy = "in a folder that is not writable", "choose another folder"
-    else:
-        return
-    raise RecordingError(
-        f"--out: received {str(out)!r}, {problem}; required a .npz file in a writable folder; "
-        f"{remedy}"
-    )
 
 
 def require_memory(n_steps: int) -> None:

@@ -56,7 +56,7 @@ def view(
     foxglove: FoxgloveOption = False,
     rate: RateOption = 1.0,
     unfinished: UnfinishedOption = False,
-    namespace: Annotated[str, typer.Option(help="Of the spacecraft in a graph of several.")] = "",
+    namespace: Annotated[str, typer.Option(help="Of the spacecraft, out of several.")] = "",
     domain_id: DomainOption = None,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Do not open the browser.")
@@ -94,7 +94,7 @@ def view(
     with (
         _live(domain_id, namespace)
         if bag is None
-        else _recorded(bag, rate, unfinished, quiet or as_json)
+        else _recorded(bag, rate, namespace or None, unfinished, quiet or as_json)
     ) as flight:
         feed = Feed(flight)
         with PageServer(feed, host, port) as server:
@@ -123,13 +123,15 @@ def _live(domain_id: int | None, namespace: str) -> LiveFlight:
     return LiveFlight(lambda: find_domain(domain_id), namespace)
 
 
-def _recorded(path: Path, rate: float, unfinished: bool, quiet: bool) -> RecordedFlight:
+def _recorded(
+    path: Path, rate: float, namespace: str | None, unfinished: bool, quiet: bool
+) -> RecordedFlight:
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
     from spacecraft_gnc.analysis.run_names import run_name
     from spacecraft_gnc.recording.reader import load_run
 
     with show_progress("reading", silent=quiet) as progress:
-        flight = load_run(path, allow_unfinished=unfinished, progress=progress)
+        flight = load_run(path, namespace=namespace, allow_unfinished=unfinished, progress=progress)
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
     return RecordedFlight(flight, run_name(path), rate)

@@ -187,7 +187,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     RecordingError
         If there is no bag, or it is empty, cut off, damaged or not of ROS 2.
     """
-    path = _bag_in(Path(path))
+    path = bag_in(Path(path))
     with ExitStack() as stack:
         files = _storage_files(path)
         unfinished = _is_unfinished(path, files)
@@ -207,7 +207,7 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
         yield Bag(path, reader, files, unfinished)
 
 
-def _bag_in(path: Path) -> Path:
+def bag_in(path: Path) -> Path:
     """Return the bag in the folder of a run; any other path as it is."""
     bag = path / BAG_FOLDER
     is_bag = (path / METADATA_NAME).exists() or any(path.glob(f"*{MCAP_SUFFIX}"))

@@ -50,7 +50,11 @@ class Torques(NamedTuple):
 
 
 def load_run(
-    path: Path | str, *, allow_unfinished: bool = False, progress: Progress | None = None
+    path: Path | str,
+    *,
+    namespace: str | None = None,
+    allow_unfinished: bool = False,
+    progress: Progress | None = None,
 ) -> Flight:
     """Read a run: bag folder, .mcap file, or .npz file of ``gnc simulate --out``.
 
@@ -58,6 +62,8 @@ def load_run(
     ----------
     path
         What to read.
+    namespace
+        Of the spacecraft, where a bag holds several.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
     progress
@@ -71,7 +77,9 @@ def load_run(
     path = Path(path)
     if path.suffix == NPZ_SUFFIX and not path.is_dir():
         return Flight(Trajectory.load(path), RunInfo(path=path))
-    return read_flight(path, allow_unfinished=allow_unfinished, progress=progress)
+    return read_flight(
+        path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
+    )
 
 
 def read_flight(
@@ -115,6 +123,7 @@ def read_flight(
             scenario=scenario,
             scenario_text=text,
             scenario_problem=problem,
+            namespace=namespace,
             unfinished=bag.unfinished,
             missing=_missing(columns, torques),
             overridden=_overridden(columns),
@@ -140,6 +149,22 @@ def acted(columns: Mapping[str, Columns]) -> Torques:
     return Torques(acted, np.concatenate(torque)[first], np.concatenate(source)[first])
 
 
+def require_reach(bag: Bag, *steps: NDArray[np.int64]) -> None:
+    """Refuse a step number far beyond what was recorded, which would make arrays of any size.
+
+    Raises
+    ------
+    RecordingError
+        If there is one.
+    """
+    count, last = sum(each.size for each in steps), max(each.max(initial=0) for each in steps)
+    if last > _MOST_LOST * count:
+        raise RecordingError(
+            f"{bag.path}: received {count} messages and one of them at step {last}; required one "
+            f"at least every {_MOST_LOST} steps; a step number is damaged, or most was lost"
+        )
+
+
 def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> int:
     """Return the number of whole control steps: those with a state before and after them.
 
@@ -149,12 +174,8 @@ def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> i
         If there is none, or a step number lies far beyond what was recorded.
     """
     states = columns[STATE].steps
-    count, last = 0, max(states.max(initial=0), torques.steps.max(initial=0))
-    if last > _MOST_LOST * (states.size + torques.steps.size):
-        raise RecordingError(
-            f"{bag.path}: received {states.size} states and a message at step {last}; required a "
-            f"state at least every {_MOST_LOST} steps; a step number is damaged, or most was lost"
-        )
+    count = 0
+    require_reach(bag, states, torques.steps)
     if states.size and torques.steps.size:
         count = int(min(torques.steps[-1] + 1, states[-1]))
     if count < 1 or count not in states:

@@ -28,7 +28,13 @@ from spacecraft_gnc.recording._metadata import (
     write_metadata,
 )
 from spacecraft_gnc.recording._topic import STEPPED_START, Topic
-from spacecraft_gnc.recording.bag import MCAP_SUFFIX, _damage, _is_unfinished, _storage_files
+from spacecraft_gnc.recording.bag import (
+    MCAP_SUFFIX,
+    _damage,
+    _is_unfinished,
+    _storage_files,
+    bag_in,
+)
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
 from spacecraft_gnc.recording.steps import WALL_TIMING
@@ -92,7 +98,7 @@ def rebuild(
     Parameters
     ----------
     source
-        Bag folder or .mcap file.
+        Bag folder, .mcap file, or the folder of a run of ``gnc launch`` with a bag in it.
     folder
         New bag, `default_folder` if None; it must not exist, or be empty.
     progress
@@ -104,7 +110,7 @@ def rebuild(
         If there is no bag, it is whole already or holds no whole message, or the new one cannot be
         written. Nothing is left behind then.
     """
-    source = Path(source)
+    source = bag_in(Path(source))
     files = _storage_files(source)
     if not _is_unfinished(source, files):
         raise RecordingError(

@@ -15,6 +15,11 @@ from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
 SCENARIO_ATTACHMENT: Final = "scenario.yaml"
 """Name under which a recorder attaches the scenario that flew, with overrides merged in."""
 
+UNKNOWN_SCENARIO: Final = (
+    "the scenario is not known: no torque limit, no zones, no cost; name it with --scenario"
+)
+"""What a reader of a run without one is told."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunInfo:
@@ -30,6 +35,8 @@ class RunInfo:
         The same as recorded.
     scenario_problem
         Why this version refuses the recorded scenario; empty if it does not.
+    namespace
+        Of the spacecraft, as the reader was told; None: the only one in the bag.
     unfinished
         Whether the bag was cut off.
     missing
@@ -44,6 +51,7 @@ class RunInfo:
     scenario: Scenario | None = None
     scenario_text: str = ""
     scenario_problem: str = ""
+    namespace: str | None = None
     unfinished: bool = False
     missing: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     overridden: tuple[int, ...] = ()

@@ -59,6 +59,18 @@ def flight_topics(bag: Bag, names: Iterable[str], namespace: str | None = None) 
     return topics
 
 
+def namespace_topics(bag: Bag, namespace: str | None = None) -> dict[str, str]:
+    """Return the full name of each topic of one spacecraft by its name in the namespace.
+
+    Raises
+    ------
+    RecordingError
+        If the bag holds no spacecraft, or several.
+    """
+    prefix = f"{_namespace(bag, namespace)}/"
+    return {name.removeprefix(prefix): name for name in bag.topics if name.startswith(prefix)}
+
+
 def _check_type(bag: Bag, topic: str, required: str) -> None:
     if bag.topics[topic] != required:
         raise RecordingError(
@@ -91,6 +103,6 @@ def _namespace(bag: Bag, namespace: str | None) -> str:
     if len(prefixes) > 1:
         raise RecordingError(
             f"{bag.path}: several spacecraft ({', '.join(sorted(prefixes))}); required one; name "
-            "its namespace"
+            "it with --namespace"
         )
     return prefixes[0]

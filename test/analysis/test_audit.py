@@ -22,6 +22,7 @@ from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.recording._topic import step_of
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
+from spacecraft_gnc.recording.rebuild import rebuild
 
 # Bytes of a serialized message: four of encapsulation, the stamp, the frame, padding, the step.
 APPLIED = "plant_invariants.applied_torque"
@@ -31,6 +32,8 @@ FIELDS = {
     ("attitude_state", "orientation"): (108, 4),
     ("attitude_state", "angular_momentum"): (140, 3),
     ("attitude_state", "angular_velocity"): (164, 3),
+    ("attitude_reference", "angular_velocity"): (140, 3),
+    ("attitude_reference", "torque"): (164, 3),
     ("torque_command", "torque"): (36, 3),
     ("plant_invariants", "applied_torque"): (76, 3),
 }
@@ -230,6 +233,31 @@ def test_a_bag_cut_off_is_audited_as_far_as_it_goes(bag, messages, tmp_path):
         (folder / "metadata.yaml").unlink()
         audit = audit_bag(folder, allow_unfinished=True)
         assert audit.passed, audit.first
+
+
+def test_a_recovered_bag_is_audited_but_for_its_length(bag, messages, tmp_path):
+    folder = rewrite(bag, tmp_path / "cut", messages[:-9])
+    (folder / "metadata.yaml").unlink()
+    audit = audit_bag(rebuild(folder).folder)
+    assert audit.passed, audit.first
+    assert 0 < audit.steps < 12
+    (length,) = [check for check in audit.checks if check.name == "length of the flight"]
+    saved = f"{audit.steps} of 12 steps were saved"
+    assert (length.verdict, length.note) == (
+        "not applicable", f"the bag was cut off and recovered: {saved}"
+    )  # fmt: skip
+    states = next(check for check in audit.checks if check.name == "integrator, from the start")
+    assert (states.verdict, states.steps) == ("pass", audit.steps + 1)
+
+
+def test_a_recovered_bag_that_was_changed_is_caught(bag, messages, tmp_path):
+    changed = [
+        (topic, stamp, flipped(data, 8 * 36) if (topic, stamp) == ("/torque_command", NS) else data)
+        for topic, stamp, data in messages[:-9]
+    ]
+    folder = rewrite(bag, tmp_path / "cut", changed)
+    (folder / "metadata.yaml").unlink()
+    assert first_of(audit_bag(rebuild(folder).folder))[1:] == (1, "torque_command.torque[0]")
 
 
 def test_a_stamp_off_the_grid_is_caught(tamper):

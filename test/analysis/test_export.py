@@ -231,6 +231,20 @@ def test_a_write_that_fails_leaves_nothing(bag, tmp_path, monkeypatch, kind):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_missing_folder_is_one_line(bag, tmp_path, capsys):
-    assert run(bag, "-f", "mat", "-o", tmp_path / "none" / "x.mat", "-q") == 2
-    assert "No such file or directory" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("none/x.mat", "in a folder that does not exist"),
+        ("x.csv", "no .mat file"),
+        ("", "no .mat file"),
+        (".", "no .mat file"),
+    ],
+)
+def test_a_file_that_cannot_be_is_refused_before_anything_is_read(
+    tmp_path, capsys, monkeypatch, name, reason
+):
+    monkeypatch.chdir(tmp_path)
+    assert run(tmp_path / "no bag", "-f", "mat", "-o", name) == 2
+    (error,) = capsys.readouterr().err.splitlines()
+    assert f"{reason}; required a .mat file in a writable folder; " in error
+    assert list(tmp_path.iterdir()) == []

@@ -37,6 +37,11 @@ def test_case_1_of_gupta_2015():
     assert metrics["cost"] == pytest.approx(0.0550925764, abs=1e-10)
 
 
+def test_a_feedback_law_has_no_stage_costs():
+    """It minimises none: the weights that a scenario has by default are not its own."""
+    assert summarize(case1(), scenario(method="feedback"))["cost"] is None
+
+
 def test_metrics_are_json():
     metrics = summarize(case1(), scenario({"star": zone([0.9276, 0.3736, 0.0], 4.9965)}))
     assert json.loads(json.dumps(metrics, allow_nan=False)) == metrics

@@ -7,10 +7,12 @@ import json
 import numpy as np
 import pytest
 from analysis.flights import DATA, case1
+from flown_bags import fly
 
 from spacecraft_gnc.cli.main import main
 
 SCENARIO = DATA.parents[1] / "config" / "gupta2015_case1.yaml"
+KALABIC = SCENARIO.with_name("kalabic2014_governor.yaml")
 MOTION = ("overview", "attitude_error", "momentum", "torque", "sphere", "solver")
 RECORD = (
     "quaternion", "roll_pitch_yaw", "rotation_vector", "sources", "invariants", "residual",
@@ -127,3 +129,25 @@ def test_several_flights_are_drawn_over_each_other(flight, tmp_path, capsys):
     assert list(answer["runs"]) == ["case1", "other"]
     names = {path.stem for path in (tmp_path / "out").iterdir()}
     assert names >= {"attitude_error", "torque", "residual", "solve_times", "sources"}
+
+
+def test_a_run_without_its_scenario_says_how_to_give_it(flight, tmp_path, capsys):
+    words = ("-o", tmp_path / "out", "-f", "svg", "--only", "torque")
+    assert run(flight, *words) == 0
+    assert capsys.readouterr().err == (
+        f"note: {flight}: the scenario is not known: no torque limit, no zones, no cost; name it "
+        "with --scenario\n"
+    )
+    assert run(flight, *words, "--scenario", SCENARIO) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_scenario_beside_the_recorded_one_is_not_used(tmp_path, capsys):
+    bag = fly(tmp_path)
+    words = ("-o", tmp_path / "out", "-f", "svg", "--only", "torque", "--json")
+    assert run(bag, *words) == 0
+    own = json.loads(capsys.readouterr().out)
+    assert run(bag, *words, "--scenario", KALABIC) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out) == own
+    assert f"note: {bag}: holds what flew; --scenario is not used" in told.err.splitlines()

@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 from analysis.flights import at_rest, case1
 from analysis.report_pages import NASTY, SCENARIO, bag, flight, page
+from flown_bags import fly, sections
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report import read_run, report_html
+from spacecraft_gnc.analysis.report.tables import _rounded
 from spacecraft_gnc.analysis.sources import stretches
 from spacecraft_gnc.cli.main import main
 
@@ -142,6 +144,19 @@ def test_missed_deadlines_are_drawn_and_counted(tmp_path):
     np.testing.assert_allclose(drawn, slack, rtol=1e-12)
 
 
+def test_late_torques_of_a_free_run_are_told(tmp_path):
+    """A solve that ended in time may reach the plant late: only the plant knows."""
+    free = sections(plant={"mode": "free_run"})
+    run = read_run(fly(tmp_path, free, late=(3, 7)), "run")
+    assert run.metrics["missed_deadlines"] == 2
+    assert "torques that came after their deadline: 2" in run.warnings()
+    assert "Deadlines missed" in Page(report_html([run])).text
+    (tmp_path / "lockstep").mkdir()
+    run = read_run(fly(tmp_path / "lockstep"), "run")
+    assert run.metrics["missed_deadlines"] is None
+    assert "Deadlines missed" not in Page(report_html([run])).text
+
+
 def test_a_failed_audit_is_a_warning(tmp_path):
     run = read_run(bag(tmp_path / "bag"), "run")
     assert run.verdict.passed is False  # Case I was flown by another solver, invariants by none
@@ -241,7 +256,39 @@ def test_bad_input_is_one_line_and_leaves_nothing(tmp_path, capsys, name, reason
     assert not (tmp_path / "r.html").exists()
 
 
-def test_a_folder_that_is_missing_is_one_line(tmp_path, capsys):
-    path = flight().save(tmp_path / "two.npz")
-    assert run_command(path, "-o", tmp_path / "none" / "r.html") == 2
-    assert "cannot be written" in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        (".", "no .html file"),
+        ("", "no .html file"),
+        ("page.pdf", "no .html file"),
+        ("page.html", "a directory"),
+        ("none/page.html", "in a folder that does not exist"),
+    ],
+)
+def test_a_page_that_cannot_be_is_refused_before_anything_is_read(
+    tmp_path, capsys, monkeypatch, name, reason
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "page.html").mkdir()
+    assert run_command(tmp_path / "none.npz", "-o", name) == 2
+    (error,) = capsys.readouterr().err.splitlines()
+    assert error.startswith("error: --out: received ")
+    assert f"{reason}; required a .html file in a writable folder; " in error
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "sign", "text"),
+    [
+        (100_000, 5, "", "100000"),
+        (123_456, 5, "", "123456"),
+        (45070.4, 4, "", "45070"),
+        (99999.6, 5, "", "100000"),
+        (44624.9, 3, "+", "+44625"),
+        (0.0123456, 3, "", "0.0123"),
+        (-1234.56, 3, "+", "-1235"),
+        (1e15, 5, "", "1e+15"),
+    ],
+)
+def test_counts_and_long_times_are_written_out(value, digits, sign, text):
+    assert _rounded(value, digits, sign) == text

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from bad_bags import CASES, ITEMS, check_refused
 from recording.bags import record
@@ -19,8 +20,18 @@ plant:
 COMMANDS = {
     "audit": ["audit"],
     "plot": ["plot", "--out", "{}/figures"],
+    "report": ["report", "--out", "{}/report.html"],
+    "export": ["export", "--format", "csv", "--out", "{}/flight.csv"],
+    "replay": ["replay", "--out", "{}/figures"],
+    "view": ["view", "--no-browser", "--port", "1"],
 }
-"""Every command that reads a bag; ``{}`` stands for a folder."""
+"""Every command that reads a flight; ``{}`` stands for a folder."""
+IN_PART = {"a bag without a whole step", "a bag without torques"}
+"""What `gnc export` writes as far as it goes: it tells of messages, not of control steps."""
+SERVERS = {"view"}
+"""Those that serve a good bag until somebody ends them."""
+NO_BAGS = [name for name, case in CASES.items() if case.required in ("a bag", "a bag folder")]
+"""What holds no message at all, whole or not: even ``gnc recover`` has nothing to save."""
 
 
 def filled(command: list[str], folder: Path) -> list[str]:
@@ -32,17 +43,34 @@ def filled(command: list[str], folder: Path) -> list[str]:
 def test_refused(
     name: str, command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    if command[0] == "export" and name in IN_PART:
+        assert exported(CASES[name].make(tmp_path), tmp_path / "flight.npz") > 0
+        return
     check_refused(CASES[name], tmp_path, capsys, *filled(command, tmp_path))
 
 
-@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
+def exported(bag: Path, target: Path) -> int:
+    """Return how many topics ``gnc export`` writes."""
+    with pytest.raises(SystemExit) as ended:
+        main(["export", "-f", "npz", "-o", str(target), "-q", str(bag)])
+    assert ended.value.code == 0
+    with np.load(target) as arrays:
+        return len({name.partition(".")[0] for name in arrays.files})
+
+
+@pytest.mark.parametrize("name", NO_BAGS)
+def test_nothing_to_recover(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    check_refused(CASES[name], tmp_path, capsys, "recover")
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS.keys() - SERVERS))
 def test_the_good_bag_is_read(
-    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The bag that the cases spoil is none of them: it holds random numbers, but all of them."""
     bag = record(tmp_path / "bag", ITEMS, scenario=SCENARIO)
     with pytest.raises(SystemExit) as ended:
-        main([*filled(command, tmp_path), "--json", str(bag)])
+        main([*filled(COMMANDS[name], tmp_path), "--json", str(bag)])
     captured = capsys.readouterr()
     assert ended.value.code in (0, 1), captured.err
     assert json.loads(captured.out)

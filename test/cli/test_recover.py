@@ -94,3 +94,9 @@ def test_a_launch_shouts_what_its_bag_lacks(
     assert told.err == (
         f"error: {tmp_path}/bag: MESSAGES LOST, the bag is not complete: /torque_command 7\n"
     )
+
+
+def test_the_folder_of_a_run_is_enough(cut: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cut.name == "bag"
+    assert gnc(cut.parent) == 0
+    assert capsys.readouterr().out.startswith(f"{cut.parent}: 74 messages recovered into {cut}-")

@@ -118,6 +118,11 @@ def test_a_simulated_flight_needs_its_scenario(flown, tmp_path, capsys):
     assert "name it with --scenario" in refusal(capsys, file)
     assert run(file, "--scenario", CASE1) == 0
     assert "the flight is repeated exactly" in capsys.readouterr().out
+    other = tmp_path / "other.yaml"
+    heavier = load(CASE1, {"nmpc_controller.weights.stage_torque": 4.0})
+    other.write_text(heavier.to_yaml())
+    assert run(file, "--scenario", other) == 1
+    assert "find out whether --scenario names what flew, and" in capsys.readouterr().err
 
 
 def test_a_bag_without_a_scenario_is_refused(flown, tmp_path, capsys):

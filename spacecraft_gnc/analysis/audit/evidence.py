@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording._metadata import RECOVERED_RECORD
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, iter_columns, read_columns
 from spacecraft_gnc.recording.reader import acted, whole_steps
@@ -50,7 +51,9 @@ class Evidence:
     n
         Control steps flown.
     unfinished
-        Whether a flight that stopped early is accepted as far as it goes.
+        Whether the bag was cut off, and read as far as it goes.
+    recovered
+        Whether it was cut off and `gnc recover` made it whole.
     """
 
     path: Path
@@ -58,6 +61,7 @@ class Evidence:
     columns: dict[str, Columns]
     n: int
     unfinished: bool
+    recovered: bool
     bag: Bag
     namespace: str | None
 
@@ -104,11 +108,12 @@ def read_evidence(bag: Bag, namespace: str | None, progress: Progress | None) ->
             f"{SCENARIO_ATTACHMENT} of `gnc launch`, in this version's form; read it with the "
             "version that flew"
         )
-    n = _flown(bag, columns)
-    return Evidence(bag.path, scenario, columns, n, bag.unfinished, bag, namespace)
+    recovered = RECOVERED_RECORD in bag.metadata()
+    n = _flown(columns, bag.unfinished or recovered)
+    return Evidence(bag.path, scenario, columns, n, bag.unfinished, recovered, bag, namespace)
 
 
-def _flown(bag: Bag, columns: dict[str, Columns]) -> int:
+def _flown(columns: dict[str, Columns], cut: bool) -> int:
     """Return the control steps flown: up to the last message; in a cut bag, to the last whole one.
 
     The governor answers the last state, too, of which no control step starts.
@@ -116,7 +121,7 @@ def _flown(bag: Bag, columns: dict[str, Columns]) -> int:
     topics = (STATE, INVARIANTS, TORQUE, SOLVER_STATUS)
     ends = [
         int(columns[topic].steps[-1]) + (topic not in LEADING)
-        for topic in (*topics, *((REFERENCE, GOVERNOR_STATUS) if bag.unfinished else ()))
+        for topic in (*topics, *((REFERENCE, GOVERNOR_STATUS) if cut else ()))
         if columns[topic].steps.size
     ]
-    return (min if bag.unfinished else max)(ends)
+    return (min if cut else max)(ends)

@@ -82,8 +82,11 @@ def _is_expected(evidence: Evidence, topic: str) -> bool:
 def _whole_flight(evidence: Evidence, ledger: Ledger, stopped: bool) -> None:
     name, planned = "length of the flight", evidence.scenario.n_steps
     line = ledger.check(name, f"{planned} steps")
-    if stopped:
-        ledger.skip(name, f"--unfinished: {evidence.n} of {planned} steps were saved")
+    saved = f"{evidence.n} of {planned} steps were saved"
+    if evidence.recovered:
+        ledger.skip(name, f"the bag was cut off and recovered: {saved}")
+    elif stopped:
+        ledger.skip(name, f"--unfinished: {saved}")
     elif evidence.n == planned:
         line.count("the last step", planned)
     else:

@@ -38,8 +38,21 @@ def audit_references(evidence: Evidence, ledger: Ledger, progress: Progress | No
     again = np.array([lie.to_quaternion_xyzw(attitude) for attitude in attitudes])
     recorded = columns.fields["orientation"]
     ledger.compare(name, columns.steps, {_ORIENTATION: recorded}, {_ORIENTATION: again})
+    _feedforward(evidence, ledger)
     _decisions(evidence, ledger)
     _moves(evidence, ledger, progress)
+
+
+def _feedforward(evidence: Evidence, ledger: Ledger) -> None:
+    """Check that the references of our own governors, which all stand still, ask for no motion."""
+    columns, name = evidence.columns[REFERENCE], "feedforward of a fixed reference"
+    governor = evidence.scenario.governor.governor
+    if governor not in BUILT_IN:
+        ledger.skip(name, f"governor {governor} is a plug-in's, whose reference may move")
+        return
+    for field in ("angular_velocity", "torque"):
+        told, where = columns.fields[field], f"attitude_reference.{field}"
+        ledger.compare(name, columns.steps, {where: told}, {where: np.zeros_like(told)})
 
 
 def _decisions(evidence: Evidence, ledger: Ledger) -> None:
@@ -54,6 +67,7 @@ def _decisions(evidence: Evidence, ledger: Ledger) -> None:
     kept = (alpha >= 0.0) & (alpha <= 1.0)
     ledger.require(name, "always", columns.steps, "governor_status.alpha", kept)
     admissible = columns.fields["admissible"]
+    ledger.skip("margin predicted by the governor", "its sign is checked, not its size")
     where = "governor_status.margin"
     ledger.require(sign, "always", columns.steps, where, (margin >= 0.0) == admissible)
 
@@ -123,7 +137,7 @@ class _Follower:
             return
         self._steps.append(step)
         self._off.append(off)
-        self._limits.append(limit)
+        self._limits.append(0.0 if alpha == 0.0 and step else limit)  # a held one is the same
 
     def _before(self, step: int) -> Array | None:
         """Return the reference that was held; the governor starts at the state or where told."""

@@ -56,7 +56,10 @@ class SolverAudit:
         plans = self._plans(steps, rows)
         self._ladder.audit(self._fallbacks(block, solved), steps, plans, rows)
         if not steps.size:
-            self._ledger.skip("plan starts at the state", "no solve converged")
+            answered = self._certifier.has_law and (block.fields["status"] == NO_SOLVE).all()
+            why = "no step was solved: the law answered" if answered else "no solve converged"
+            for name in ("length of the plan", "plan starts at the state"):
+                self._ledger.skip(name, why)
             return
         self._standstill.audit(steps, plans, rows)
         found = self._certifier.certify(plans)

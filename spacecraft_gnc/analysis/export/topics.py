@@ -14,7 +14,8 @@ from spacecraft_gnc.analysis.export.field_text import FieldText, field_texts
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
-from spacecraft_gnc.recording.steps import TYPES
+from spacecraft_gnc.recording.reader import require_reach
+from spacecraft_gnc.recording.steps import TYPES, namespace_topics
 
 STEP: Final = "step"
 STAMP: Final = "stamp"
@@ -94,6 +95,7 @@ def read_export(
     path: Path,
     names: Sequence[str] = (),
     *,
+    namespace: str | None = None,
     allow_unfinished: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Export:
@@ -105,6 +107,8 @@ def read_export(
         Bag folder or .mcap file.
     names
         Of the topics, without their namespace; none: all that carry a control step.
+    namespace
+        Of the spacecraft, where the bag holds several.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
     progress
@@ -116,16 +120,22 @@ def read_export(
         If the bag cannot be read, or a topic was not recorded or carries no step.
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
-        recorded = {topic.rpartition("/")[2]: topic for topic in bag.topics}
+        recorded = namespace_topics(bag, namespace)
         known = [name for name in TYPES if name in recorded]
         _require(path, [name.strip("/") for name in names], known)
         wanted = [name for name in known if not names or name in {n.strip("/") for n in names}]
-        columns = read_columns(bag, wanted, progress=progress)
+        columns = read_columns(bag, wanted, namespace, progress)
         topics = tuple(
             _topic(bag, name, recorded[name], columns[name])
             for name in wanted
             if columns[name].steps.size
         )
+        if not topics:
+            raise RecordingError(
+                f"{path}: received 0 states and 0 torques; required at least one whole control "
+                "step; record a longer run"
+            )
+        require_reach(bag, *(topic.steps for topic in topics))
         left_out = tuple(sorted(topic for name, topic in recorded.items() if name not in TYPES))
     return Export(path, topics, () if names else left_out)
 

@@ -12,6 +12,7 @@ from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
 from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
 from spacecraft_gnc.recording.reader import load_run
+from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
 from spacecraft_gnc.recording.steps import WALL_TIMING
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class Run:
     scenario
         What flew, from the recording or from the user; None: not known.
     metrics
-        As `metrics.summarize` gives them.
+        As `metrics.summarize` gives them, and ``missed_deadlines`` (None: no free run).
     verdict
         Of the audit.
     """
@@ -64,6 +65,9 @@ class Run:
         for key, what in counted.items():
             if self.metrics[key]:
                 lines.append(f"{what}: {self.metrics[key]}")
+        if self.telemetry.missed_deadlines:
+            missed = self.telemetry.missed_deadlines
+            lines.append(f"torques that came after their deadline: {missed}")
         late = int(np.count_nonzero(self.telemetry.deadline_slack < 0.0))
         if late:
             lines.append(f"solves that ended after their deadline: {late}")
@@ -76,7 +80,7 @@ class Run:
         if self.verdict.passed is False:
             lines.append(f"the audit failed: {self.verdict.text}")
         if self.scenario is None:
-            lines.append("the scenario is not known: no torque limit, no zones, no cost")
+            lines.append(UNKNOWN_SCENARIO)
         return lines
 
 
@@ -85,6 +89,7 @@ def read_run(
     name: str,
     scenario: Scenario | None = None,
     *,
+    namespace: str | None = None,
     allow_unfinished: bool = False,
     progress: Watch | None = None,
 ) -> Run:
@@ -98,6 +103,8 @@ def read_run(
         How the report calls it.
     scenario
         Used where the recording does not hold its own.
+    namespace
+        Of the spacecraft, where the bag holds several.
     allow_unfinished
         Read what is whole of a bag that was cut off, instead of refusing it.
     progress
@@ -108,14 +115,18 @@ def read_run(
     RecordingError
         If it cannot be read.
     """
-    flight = load_run(path, allow_unfinished=allow_unfinished)
+    flight = load_run(path, namespace=namespace, allow_unfinished=allow_unfinished)
     known = flight.info.scenario or scenario
+    telemetry = read_telemetry(flight, known, allow_unfinished=allow_unfinished)
+    missed = {"missed_deadlines": telemetry.missed_deadlines}
     return Run(
         name=name,
         trajectory=flight.trajectory,
         info=flight.info,
-        telemetry=read_telemetry(flight, known, allow_unfinished=allow_unfinished),
+        telemetry=telemetry,
         scenario=known,
-        metrics=summarize(flight.trajectory, known),
-        verdict=audit_verdict(path, allow_unfinished=allow_unfinished, progress=progress),
+        metrics=summarize(flight.trajectory, known) | missed,
+        verdict=audit_verdict(
+            path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
+        ),
     )

@@ -89,7 +89,10 @@ def _slack(runs: Sequence[Run], points: int) -> Iterator[Chart]:
     )
     if traces:
         traces.append(limit(span(runs), (0.0, 0.0), "deadline"))
-        note = "Wall time left when the solve ended; negative: the deadline was missed."
+        note = (
+            "Wall time left when the solve ended; negative: the deadline was missed. A torque may "
+            "still come late: the plant counts those (see the summary)."
+        )
         y = axis(f"slack [{unit.label}]")
         yield Chart("slack", "Deadline slack", note, over_time(runs, traces, y))
 

@@ -29,7 +29,7 @@ _ROWS: Final = (
     _Row("Error below 0.1° for good from", "settle_time_0.1deg", "s"),
     _Row("Momentum at the end", "final_momentum", "N m s"),
     _Row("Whole way allowed from", "alpha_one_time", "s"),
-    _Row("Error to the last reference", "final_reference_error_deg", "deg"),
+    _Row("Last reference to the target", "final_reference_error_deg", "deg"),
     _Row("Steps without an admissible reference", "inadmissible_steps"),
     _Row("Least governor margin", "min_governor_margin"),
     _Row("Largest torque", "max_torque", "N m", 8),
@@ -42,6 +42,7 @@ _ROWS: Final = (
     _Row("Solve time, median", "solve_time_median", "µs", 4, 1e6),
     _Row("Solve time, 99 %", "solve_time_p99", "µs", 4, 1e6),
     _Row("Solve time, longest", "solve_time_max", "µs", 4, 1e6),
+    _Row("Deadlines missed", "missed_deadlines"),
     _Row("Solves not converged", "unconverged_steps"),
     _Row("Steps at a standstill", "stalled_steps"),
     _Row("Steps leaving a standstill", "escaping_steps"),
@@ -51,6 +52,7 @@ _ROWS: Final = (
     _Row("Incomplete steps", "missing_steps"),
 )
 _NOTHING: Final = "-"
+_EXPONENT_FROM: Final = 1e12
 _CHECK_HEADS: Final = ("Check", "Steps", "Worst", "Tolerance", "Verdict")
 _BADGES: Final = {True: "passed", False: "failed", None: "unknown"}
 
@@ -151,15 +153,22 @@ def _cells(row: _Row, values: Sequence[Any]) -> list[str]:
 
 
 def _number(row: _Row, value: float | None) -> str:
-    return _NOTHING if value is None else f"{row.factor * value:.{row.digits}g}"
+    return _NOTHING if value is None else _rounded(row.factor * value, row.digits)
+
+
+def _rounded(value: float, digits: int, sign: str = "") -> str:
+    """Return a number with so many digits, and every one before the point: counts are exact."""
+    if 10.0**digits - 0.5 <= abs(value) < _EXPONENT_FROM:
+        return f"{value:{sign}.0f}"
+    return f"{value:{sign}.{digits}g}"
 
 
 def _difference(row: _Row, value: float | None, first: float | None) -> str:
     if value is None or first is None:
         return ""
-    text = "same" if value == first else f"{row.factor * (value - first):+.3g}"
+    text = "same" if value == first else _rounded(row.factor * (value - first), 3, "+")
     if value != first and first:
-        text += f", {100.0 * (value - first) / abs(first):+.3g} %"
+        text += f", {_rounded(100.0 * (value - first) / abs(first), 3, '+')} %"
     return f' <span class="difference">({text})</span>'
 
 
@@ -167,7 +176,8 @@ def _method(run: Run) -> str:
     if run.scenario is None:
         return _NOTHING
     controller, governor = run.scenario.controller, run.scenario.governor.governor
-    parts = [controller.method, f"N = {controller.horizon}"]
+    parts = [controller.method]
+    parts += [f"N = {controller.horizon}"] if controller.method != "feedback" else []
     parts += [f"governor {governor}"] if governor != "none" else []
     return _text(", ".join(parts))
 

@@ -117,7 +117,7 @@ def figure(
     traces = list(traces)
     shown = sum(item.get("showlegend", True) for item in traces)
     legend = _LEGEND_LINE * max(0, shown - _LEGEND_ENTRIES)
-    above = 30 if shown < 2 else 46 if shown <= _LEGEND_ENTRIES else 62  # [px] below the tools
+    above = 30 if shown < 2 else 58 if shown <= _LEGEND_ENTRIES else 76  # [px] below the tools
     layout: dict[str, Any] = {
         "height": _HEIGHT + legend if rows == 1 else _TALL,
         "margin": {"l": 64, "r": 14, "t": above, "b": 46},
