@@ -25,7 +25,11 @@ class ParameterRefused(GncError):
 
 
 class TransitionRefused(GncError):
-    """A node does not go through a transition."""
+    """A node cannot go through a transition from where it is."""
+
+
+class TransitionFailed(GncError):
+    """A node tried a transition and did not get through."""
 
     exit_code: ClassVar[int] = 1
 
@@ -125,7 +129,7 @@ class RemoteParameters:
         """
         before = self.get(name).value
         value = _as_declared(value, before)
-        parameter = Parameter(name, value=value)
+        parameter = _parameter(name, value)
         answer = _ask(self._view, self.name, lambda: self._client.set_parameters([parameter]))
         (result,) = answer.results
         if not result.successful:
@@ -189,7 +193,9 @@ class RemoteLifecycle:
         Raises
         ------
         TransitionRefused
-            It cannot be asked for now, or the node refused it.
+            It cannot be asked for now.
+        TransitionFailed
+            The node refused it.
         """
         known = self.transitions()
         if transition not in known:
@@ -202,7 +208,7 @@ class RemoteLifecycle:
         if not self._view.spin_until(sent.done, _TRANSITION_PATIENCE):
             raise GraphError(f"{self.name}: no answer to {transition}; required one; see its log")
         if not sent.result().success:
-            raise TransitionRefused(
+            raise TransitionFailed(
                 f"{self.name}: refused {transition}; it is {self.state()} now; see its log"
             )
         return self.state()
@@ -234,6 +240,18 @@ def _plain(value: Any) -> Any:
     """Return a parameter value as Python's own types."""
     plain = parameter_value_to_python(value)
     return list(plain) if hasattr(plain, "__len__") and not isinstance(plain, str) else plain
+
+
+def _parameter(name: str, value: Any) -> Parameter:
+    try:
+        parameter = Parameter(name, value=value)
+        parameter.to_parameter_msg()  # refuses whole numbers that 64 bits do not hold
+    except (TypeError, ValueError, AssertionError, OverflowError) as error:
+        raise ParameterRefused(
+            f"{name}: received {value!r}; required what ROS 2 takes: a bool, a 64-bit integer, a "
+            "double, a text, or a list of one of these; quote a text that YAML takes for a bool"
+        ) from error
+    return parameter
 
 
 def _as_declared(value: Any, before: Any) -> Any:
