@@ -39,7 +39,12 @@ HostOption = Annotated[
     str, typer.Option("--host", help="Address to listen on; 127.0.0.1 is reached from here only.")
 ]
 FoxgloveOption = Annotated[
-    bool, typer.Option("--foxglove", help="Serve the Foxglove app instead of a page of our own.")
+    bool,
+    typer.Option(
+        "--foxglove",
+        help="Serve the Foxglove app instead of a page of our own. Any page open in a browser here "
+        "can read this server, for it does not check where a request comes from.",
+    ),
 ]
 RateOption = Annotated[
     float, typer.Option("--rate", metavar="X", help="Simulated seconds per second, for a bag.")
@@ -83,7 +88,10 @@ def view(
 
         def announce(url: str, port: int) -> None:
             layout = shipped_file(_LAYOUT)
-            how = f"in Foxglove: open connection {url}, import layout {layout}"
+            how = (
+                f"in Foxglove: open connection {url}, import layout {layout}; until it ends, any "
+                "page open in a browser here can read it too"
+            )
             _announce({"url": url, "port": port, "layout": layout}, how, as_json, quiet)
 
         if bag is None:

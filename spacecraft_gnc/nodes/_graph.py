@@ -104,6 +104,12 @@ class GraphView:
             return bool(now[0]) and time.monotonic() - changed > _SETTLE
 
         self.spin_until(settled, _DISCOVERY)
+        self.raise_interrupt()
+
+    def raise_interrupt(self) -> None:
+        """Raise KeyboardInterrupt after Ctrl-C: what was awaited is not there, nor missing."""
+        if self._interrupted:
+            raise KeyboardInterrupt
 
     def nodes(self) -> list[str]:
         """Full names of all nodes but this observer."""

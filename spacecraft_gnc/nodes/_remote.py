@@ -206,6 +206,7 @@ class RemoteLifecycle:
         request = ChangeState.Request(transition=Transition(label=transition))
         sent = self._change.call_async(request)  # once: asking again would be another transition
         if not self._view.spin_until(sent.done, _TRANSITION_PATIENCE):
+            self._view.raise_interrupt()
             raise GraphError(f"{self.name}: no answer to {transition}; required one; see its log")
         if not sent.result().success:
             raise TransitionFailed(
@@ -216,6 +217,7 @@ class RemoteLifecycle:
 
 def _require_service(view: GraphView, name: str, what: str, is_ready: Callable[[], bool]) -> None:
     if not view.spin_until(is_ready, _PATIENCE):
+        view.raise_interrupt()
         raise GraphError(
             f"{name}: has no {what} on ROS_DOMAIN_ID={view.domain_id}; required a node that has; "
             "list the nodes with `gnc inspect nodes`"
@@ -229,8 +231,7 @@ def _ask(view: GraphView, name: str, send: Callable[[], Any]) -> Any:
         asked.append(send())
         if view.spin_until(lambda: any(future.done() for future in asked), _RETRY):
             return next(future.result() for future in asked if future.done())
-        if view.interrupted:
-            break
+        view.raise_interrupt()
     raise GraphError(
         f"{name}: does not answer; required an answer within {_PATIENCE:g} s; is it busy or gone?"
     )
