@@ -71,9 +71,12 @@ def launch(
     launcher = Launcher(plan, choose(quiet=quiet or as_json), born)
     try:
         outcome = launcher.run()
-    except Interrupted:
+    except Interrupted as error:
+        print_error(error)
+        if (plan.bag / METADATA_NAME).exists():
+            print(f"  recorded until then in {plan.bag}", file=sys.stderr)
         _shout_losses([plan.bag])
-        raise
+        raise typer.Exit(error.exit_code) from error
     except NodeDied as error:
         print_error(error)
         for line in error.last_words:

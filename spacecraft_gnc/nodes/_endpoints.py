@@ -93,6 +93,7 @@ def full_topic_name(node: Node, name: str) -> str:
         validate_full_topic_name(full_name)
     except (InvalidTopicNameException, _RCLError) as error:
         reason = str(error).splitlines()[0].partition(", at ")[0].rstrip(":")
+        reason = reason.removeprefix("failed to resolve name: ")
         raise TopicNameRefused(
             f"{name!r}: {reason}; required the name of a topic, such as /attitude_state; correct it"
         ) from error

@@ -245,14 +245,12 @@ def _plain(value: Any) -> Any:
 
 def _parameter(name: str, value: Any) -> Parameter:
     try:
-        parameter = Parameter(name, value=value)
-        parameter.to_parameter_msg()  # refuses whole numbers that 64 bits do not hold
-    except (TypeError, ValueError, AssertionError, OverflowError) as error:
+        return Parameter(name, value=value)
+    except TypeError as error:
         raise ParameterRefused(
-            f"{name}: received {value!r}; required what ROS 2 takes: a bool, a 64-bit integer, a "
-            "double, a text, or a list of one of these; quote a text that YAML takes for a bool"
+            f"{name}: received {value!r}; required what ROS 2 takes: a bool, an integer, a double, "
+            "a text, or a list of one of these; quote a text that YAML takes for a bool"
         ) from error
-    return parameter
 
 
 def _as_declared(value: Any, before: Any) -> Any:

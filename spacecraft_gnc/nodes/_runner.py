@@ -181,8 +181,8 @@ def _spin_once(executor: Executor, timeout: float) -> None:
 def _end(executor: Executor, nodes: Sequence[GncNode]) -> None:
     """Shut the nodes down, last first, so that the recorder hears the last words of all."""
     for node in reversed(nodes):
-        _drain(executor, node)
         if node.active:
+            _drain(executor, node)
             node.trigger_deactivate()
             _drain(executor, nodes[0])
     for node in reversed(nodes):

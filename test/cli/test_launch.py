@@ -64,7 +64,10 @@ def test_a_loss_is_told_after_ctrl_c_too(monkeypatch: Any, capsys: Any, tmp_path
     with pytest.raises(SystemExit) as end:
         main(["launch", str(CASE1), "--out", str(tmp_path / "run"), "--quiet"])
     assert end.value.code == 130
-    assert "MESSAGES LOST" in capsys.readouterr().err
+    ended, where, shout = capsys.readouterr().err.splitlines()
+    assert ended == "error: ended by SIGINT"
+    assert where == f"  recorded until then in {tmp_path}/run/bag"
+    assert "MESSAGES LOST" in shout
 
 
 def test_topics_that_nobody_published(tmp_path: Path) -> None:

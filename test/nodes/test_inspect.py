@@ -221,7 +221,6 @@ def test_a_refused_parameter_shows_why(graph: Graph) -> None:
         (("set", "plant", "nothing", "1"), "no such parameter of /plant"),
         (("set", "talker", "gain", "[x, y]"), "received ['x', True]; required what ROS 2 takes"),
         (("set", "talker", "gain", "[[1.0], [2.0]]"), "required a flat list"),
-        (("set", "talker", "use_sim_time", str(2**70)), "required what ROS 2 takes"),
     ],
 )
 def test_bad_parameter_requests(graph: Graph, argv: tuple[str, ...], words: str) -> None:
@@ -265,6 +264,12 @@ def test_watch_without_a_flight(graph: Graph) -> None:
     assert answer.code == 1
     assert "nothing received yet from /attitude_state" in answer.error
     assert "a plant is there, but has not begun" in answer.error
+
+
+def test_watch_refuses_what_is_no_namespace(graph: Graph) -> None:
+    answer = graph.inspect("watch", "--namespace", "a//b")
+    assert answer.code == 2
+    assert "'/a//b/attitude_state': topic name must not contain repeated '/'" in answer.error
 
 
 MISSING = """

@@ -51,3 +51,21 @@ def test_no_thread_of_dds_is_left_to_the_end_of_python(tmp_path: Path) -> None:
     assert int(flying) > 0
     assert after == "0"
     assert ended.returncode == 0, ended.stderr
+
+
+def test_a_node_that_was_never_configured_ends_well(tmp_path: Path) -> None:
+    """As the governor does when another node was refused."""
+    lock = domain.claim_free({"test": "runner"})
+    command = [sys.executable, "-m", "spacecraft_gnc.nodes.reference_governor", "--ros-args"]
+    command += ["--params-file", str(CASE1), "-p", "autostart:=false"]
+    ended = subprocess.run(  # the end of its standard input ends it
+        command,
+        env=for_node(os.environ, lock.domain_id),
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=False,
+    )
+    lock.release()
+    assert (ended.returncode, ended.stderr) == (0, "")
