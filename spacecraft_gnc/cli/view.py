@@ -102,7 +102,7 @@ def view(
     with (
         _live(domain_id, namespace)
         if bag is None
-        else _recorded(bag, rate, unfinished, quiet or as_json)
+        else _recorded(bag, rate, unfinished, quiet or as_json, stop)
     ) as flight:
         feed = Feed(flight)
         with PageServer(feed, host, port) as server:
@@ -131,13 +131,21 @@ def _live(domain_id: int | None, namespace: str) -> LiveFlight:
     return LiveFlight(lambda: find_domain(domain_id), namespace)
 
 
-def _recorded(path: Path, rate: float, unfinished: bool, quiet: bool) -> RecordedFlight:
+def _recorded(
+    path: Path, rate: float, unfinished: bool, quiet: bool, stop: _StopRequest
+) -> RecordedFlight:
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
     from spacecraft_gnc.analysis.run_names import run_name
     from spacecraft_gnc.recording.reader import load_run
 
     with show_progress("reading", silent=quiet) as progress:
-        flight = load_run(path, allow_unfinished=unfinished, progress=progress)
+
+        def tell(done: int, total: int) -> None:
+            if stop():  # the signal itself is only remembered
+                raise KeyboardInterrupt
+            progress(done, total)
+
+        flight = load_run(path, allow_unfinished=unfinished, progress=tell)
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
     return RecordedFlight(flight, run_name(path), rate)
