@@ -61,7 +61,7 @@ setup(
     },
     entry_points={
         "console_scripts": [
-            f"gnc = {NAME}.cli.main:main",
+            f"gnc = {NAME}.__main__:main",
             f"plant = {NAME}.nodes.plant:main",
             f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
             f"reference_governor = {NAME}.nodes.reference_governor:main",

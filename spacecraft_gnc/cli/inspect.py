@@ -151,7 +151,7 @@ def _topic_text(entry: dict[str, Any], rates: bool) -> str:
     if not rates:
         return text
     if entry["hz"] is None:
-        return f"{text}, rate unknown"
+        return f"{text}, rate unknown" if entry["publishers"] else text
     return f"{text}, {entry['hz']:.1f} Hz, {entry['bytes_per_second'] / 1e3:.1f} kB/s"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,10 +20,10 @@ from spacecraft_gnc.cli._common import (
     print_table,
 )
 from spacecraft_gnc.launcher.launcher import Launcher
-from spacecraft_gnc.launcher.outcome import NodeDied, Outcome
+from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.launcher.progress import choose
-from spacecraft_gnc.recording._metadata import METADATA_NAME, read_losses
+from spacecraft_gnc.recording._metadata import METADATA_NAME, read_counts, read_losses
 
 OutOption = Annotated[
     Path | None,
@@ -70,6 +71,12 @@ def launch(
     launcher = Launcher(plan, choose(quiet=quiet or as_json), born)
     try:
         outcome = launcher.run()
+    except Interrupted as error:
+        print_error(error)
+        if (plan.bag / METADATA_NAME).exists():
+            print(f"  recorded until then in {plan.bag}", file=sys.stderr)
+        _shout_losses([plan.bag])
+        raise typer.Exit(error.exit_code) from error
     except NodeDied as error:
         print_error(error)
         for line in error.last_words:
@@ -77,11 +84,17 @@ def launch(
         if plan.bag.is_dir() and not (plan.bag / METADATA_NAME).exists():
             print(f"  the bag was cut off: gnc recover {plan.bag}", file=sys.stderr)
         raise typer.Exit(error.exit_code) from error
+    is_complete = _shout_losses(outcome.bags)
     _report(plan, outcome, as_json=as_json, quiet=quiet)
+    if not is_complete:
+        raise typer.Exit(1)
 
 
 def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -> None:
-    _shout_losses(outcome)
+    if not quiet:
+        for topic in _never_published(plan, outcome):
+            text = f"{topic}: nobody published on it: nothing of it is in the bag"
+            print(f"warning: recorder.topics: {text}", file=sys.stderr)
     if quiet and not as_json:
         return
     metrics = _metrics(plan, outcome)
@@ -104,12 +117,25 @@ def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -
     print_table([*rows, ("logs", str(plan.logs))])
 
 
-def _shout_losses(outcome: Outcome) -> None:
-    """Say on stderr, however quiet, that a bag is not complete."""
-    for bag in outcome.bags:
-        if lost := read_losses(Path(bag)):
+def _shout_losses(bags: Sequence[str | Path]) -> bool:
+    """Say on stderr, however quiet, that a bag is not complete; return whether all are."""
+    lost_by_bag = {bag: read_losses(Path(bag)) for bag in bags}
+    for bag, lost in lost_by_bag.items():
+        if lost:
             listed = ", ".join(f"{topic} {count}" for topic, count in lost.items())
             print_error(f"{bag}: MESSAGES LOST, the bag is not complete: {listed}")
+    return not any(lost_by_bag.values())
+
+
+def _never_published(plan: LaunchPlan, outcome: Outcome) -> list[str]:
+    """Topics beside those of the graph that were to be recorded, and of which nothing came."""
+    if not outcome.bags:
+        return []
+    from spacecraft_gnc.nodes._topics import foreign
+
+    counts = [read_counts(Path(bag)) or {} for bag in outcome.bags]
+    names = [f"/{name.strip('/')}" for name in foreign(plan.scenario.recorder.topics)]
+    return [name for name in names if not any(count.get(name) for count in counts)]
 
 
 def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
@@ -137,6 +163,7 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         "restarts": list(outcome.restarts),
         "bags": list(outcome.bags),
         "messages_lost": sum(sum(read_losses(Path(bag)).values()) for bag in outcome.bags),
+        "topics_never_published": _never_published(plan, outcome),
         "logs": plan.logs,
     }
 

@@ -50,7 +50,8 @@ def slew(
 
     def show(step: int, error: float, alpha: float) -> None:
         if not quiet and not as_json:
-            print(f"  step {step}: {math.degrees(error):.4g} deg to go, alpha {alpha:.3g}")
+            text = f"  step {step}: {math.degrees(error):.4g} deg to go, alpha {alpha:.3g}"
+            print(text, flush=True)
 
     with GraphView(choose_domain(domain_id)) as view:
         result = fly(view, target, math.radians(tolerance_deg), show)

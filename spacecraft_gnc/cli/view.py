@@ -39,7 +39,12 @@ HostOption = Annotated[
     str, typer.Option("--host", help="Address to listen on; 127.0.0.1 is reached from here only.")
 ]
 FoxgloveOption = Annotated[
-    bool, typer.Option("--foxglove", help="Serve the Foxglove app instead of a page of our own.")
+    bool,
+    typer.Option(
+        "--foxglove",
+        help="Serve the Foxglove app instead of a page of our own. Any page open in a browser here "
+        "can read this server, for it does not check where a request comes from.",
+    ),
 ]
 RateOption = Annotated[
     float, typer.Option("--rate", metavar="X", help="Simulated seconds per second, for a bag.")
@@ -83,7 +88,10 @@ def view(
 
         def announce(url: str, port: int) -> None:
             layout = shipped_file(_LAYOUT)
-            how = f"in Foxglove: open connection {url}, import layout {layout}"
+            how = (
+                f"in Foxglove: open connection {url}, import layout {layout}; until it ends, any "
+                "page open in a browser here can read it too"
+            )
             _announce({"url": url, "port": port, "layout": layout}, how, as_json, quiet)
 
         if bag is None:
@@ -94,7 +102,7 @@ def view(
     with (
         _live(domain_id, namespace)
         if bag is None
-        else _recorded(bag, rate, namespace or None, unfinished, quiet or as_json)
+        else _recorded(bag, rate, namespace or None, unfinished, quiet or as_json, stop)
     ) as flight:
         feed = Feed(flight)
         with PageServer(feed, host, port) as server:
@@ -124,14 +132,25 @@ def _live(domain_id: int | None, namespace: str) -> LiveFlight:
 
 
 def _recorded(
-    path: Path, rate: float, namespace: str | None, unfinished: bool, quiet: bool
+    path: Path,
+    rate: float,
+    namespace: str | None,
+    unfinished: bool,
+    quiet: bool,
+    stop: _StopRequest,
 ) -> RecordedFlight:
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
     from spacecraft_gnc.analysis.run_names import run_name
     from spacecraft_gnc.recording.reader import load_run
 
     with show_progress("reading", silent=quiet) as progress:
-        flight = load_run(path, namespace=namespace, allow_unfinished=unfinished, progress=progress)
+
+        def tell(done: int, total: int) -> None:
+            if stop():  # the signal itself is only remembered
+                raise KeyboardInterrupt
+            progress(done, total)
+
+        flight = load_run(path, namespace=namespace, allow_unfinished=unfinished, progress=tell)
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
     return RecordedFlight(flight, run_name(path), rate)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import ClassVar, Final
@@ -11,6 +12,8 @@ from spacecraft_gnc.errors import LaunchError
 DOMAIN_ID: Final = "ROS_DOMAIN_ID"
 SUPERVISED: Final = "SPACECRAFT_GNC_SUPERVISED"
 """Set for a node that the launcher started: the end of its standard input ends the node."""
+TELL_WHERE: Final = signal.SIGUSR1
+"""Makes a node that the launcher started write to its log where every thread is."""
 _LARGEST_DOMAIN = 232  # UDP ports end at 65535
 _DISCOVERY_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")

@@ -10,8 +10,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
+from spacecraft_gnc.launcher.environment import TELL_WHERE
+
 _TAIL: Final = 12  # lines of a log that are shown
 _TAIL_BYTES: Final = 8192
+_LAST_WORDS: Final = 0.5  # [s] wall
 _POLL: Final = 0.02  # [s] wall
 
 
@@ -38,7 +41,8 @@ class NodeProcess:
     ) -> None:
         self.name = name
         self.log = log
-        self._asked_to_end = False
+        self._asked_at = 0.0  # [s] wall
+        self._overdue = 0.0  # [s] wall after which its end was forced; 0: it was not
         with log.open("ab") as output:
             self._popen = subprocess.Popen(
                 [sys.executable, *arguments],
@@ -61,7 +65,7 @@ class NodeProcess:
 
     def end(self) -> None:
         """Ask it to end cleanly."""
-        self._asked_to_end = True
+        self._asked_at = time.monotonic()
         if self.exit_code is None:
             self._popen.terminate()
 
@@ -70,17 +74,29 @@ class NodeProcess:
         try:
             code = self._popen.wait(patience)
         except subprocess.TimeoutExpired:
-            self._popen.kill()
-            code = self._popen.wait()
+            self._overdue = time.monotonic() - self._asked_at if self._asked_at else patience
+            code = self._kill()
         if self._popen.stdin is not None:
             self._popen.stdin.close()
         return code
+
+    def _kill(self) -> int:
+        """Let it tell its log where it hangs, then kill it; return the code."""
+        self._popen.send_signal(TELL_WHERE)  # ends a process that is no node of ours yet
+        try:
+            return self._popen.wait(_LAST_WORDS)
+        except subprocess.TimeoutExpired:
+            self._popen.kill()
+            return self._popen.wait()
 
     def describe_end(self) -> str:
         """Say in words how it ended."""
         code = self.exit_code
         if code is None:
             return f"{self.name} (pid {self.pid}) is running"
+        if self._overdue:
+            waited = f"{self._overdue:.0f} s"
+            return f"{self.name} (pid {self.pid}) did not end within {waited} and was killed"
         if code < 0:
             return f"{self.name} (pid {self.pid}) was killed by {_signal_name(-code)}"
         return f"{self.name} (pid {self.pid}) ended with exit code {code}"

@@ -70,8 +70,12 @@ def announce(
 
 def message_time(topic: Topic) -> Callable[[bytes], int] | None:
     """Return a function that reads the stamp [ns] of a serialized message; None: it has none."""
-    first = next(iter(topic.type.get_fields_and_field_types().values()))
-    return _read_stamp if first in _STAMPED_FIRST else None
+    return _read_stamp if is_stamped(topic.type) else None
+
+
+def is_stamped(message_type: Any) -> bool:
+    """Tell whether serialized messages of a class begin with a time stamp."""
+    return next(iter(message_type.get_fields_and_field_types().values()), "") in _STAMPED_FIRST
 
 
 def scenario_text(scenario: Scenario) -> bytes:

@@ -6,6 +6,9 @@ import importlib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -14,11 +17,20 @@ from rclpy.qos import (
     ReliabilityPolicy,
     qos_check_compatible,
 )
+from rclpy.validate_full_topic_name import validate_full_topic_name
+from rclpy.validate_topic_name import validate_topic_name
+
+from spacecraft_gnc.errors import GncError
 
 if TYPE_CHECKING:
     from typing_extensions import Self
 
 _DEPTH = 1000
+_RCLError = rclpy_implementation.RCLError  # has no public name
+
+
+class TopicNameRefused(GncError):
+    """No topic can have a name."""
 
 
 class TopicInfo(NamedTuple):
@@ -67,6 +79,27 @@ class Endpoint(NamedTuple):
 _INFINITE = 9.0e9  # [s] rmw's infinite duration and the DDS one both lie above
 
 
+def full_topic_name(node: Node, name: str) -> str:
+    """Return the full name of a topic that is named relative to a node, or in full.
+
+    Raises
+    ------
+    TopicNameRefused
+        No topic can have that name.
+    """
+    try:
+        validate_topic_name(name)
+        full_name = str(node.resolve_topic_name(name))
+        validate_full_topic_name(full_name)
+    except (InvalidTopicNameException, _RCLError) as error:
+        reason = str(error).splitlines()[0].partition(", at ")[0].rstrip(":")
+        reason = reason.removeprefix("failed to resolve name: ")
+        raise TopicNameRefused(
+            f"{name!r}: {reason}; required the name of a topic, such as /attitude_state; correct it"
+        ) from error
+    return full_name
+
+
 def message_type(name: str) -> Any:
     """Return the class of ``pkg/msg/Type``, or of an action's ``pkg/action/Name_FeedbackMessage``.
 
@@ -107,6 +140,6 @@ def misfits(publishers: Sequence[Endpoint], subscribers: Sequence[Endpoint]) -> 
                 continue
             verdict, reason = qos_check_compatible(publisher.qos, subscriber.qos)
             if verdict == QoSCompatibility.ERROR:
-                why = " ".join(reason.split()).removeprefix("ERROR: ")
+                why = " ".join(reason.split()).removeprefix("ERROR: ").rstrip("; ")
                 lines.append(f"{subscriber.node} does not hear {publisher.node}: {why}")
     return lines

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from rclpy.exceptions import InvalidTopicNameException
-from rclpy.validate_topic_name import validate_topic_name
-
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.nodes._endpoints import matching, message_type
+from spacecraft_gnc.nodes._endpoints import (
+    TopicNameRefused,
+    full_topic_name,
+    matching,
+    message_type,
+)
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._topics import RECORD, Topic
 
@@ -73,13 +75,9 @@ class ForeignTopics:
 
 def _full_name(node: GncNode, name: str) -> str:
     try:
-        validate_topic_name(name)
-        return str(node.resolve_topic_name(name))
-    except InvalidTopicNameException as error:
-        reason = str(error).splitlines()[0].rstrip(":")
-        raise RecordingError(
-            f"recorder.topics: received {name!r} ({reason}); required names of topics; correct it"
-        ) from error
+        return full_topic_name(node, name)
+    except TopicNameRefused as error:
+        raise RecordingError(f"recorder.topics: received {error}") from error
 
 
 def _installed(name: str, type_name: str) -> Any:

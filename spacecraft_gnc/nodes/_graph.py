@@ -16,7 +16,13 @@ from rclpy.signals import SignalHandlerOptions
 
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.launcher.environment import prepare
-from spacecraft_gnc.nodes._endpoints import Endpoint, TopicInfo, matching, message_type
+from spacecraft_gnc.nodes._endpoints import (
+    Endpoint,
+    TopicInfo,
+    full_topic_name,
+    matching,
+    message_type,
+)
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -98,6 +104,12 @@ class GraphView:
             return bool(now[0]) and time.monotonic() - changed > _SETTLE
 
         self.spin_until(settled, _DISCOVERY)
+        self.raise_interrupt()
+
+    def raise_interrupt(self) -> None:
+        """Raise KeyboardInterrupt after Ctrl-C: what was awaited is not there, nor missing."""
+        if self._interrupted:
+            raise KeyboardInterrupt
 
     def nodes(self) -> list[str]:
         """Full names of all nodes but this observer."""
@@ -154,10 +166,12 @@ class GraphView:
 
         Raises
         ------
+        TopicNameRefused
+            No topic can have that name.
         GraphError
             There is no such topic, or nobody publishes on it.
         """
-        full_name = self.node.resolve_topic_name(topic)
+        full_name = full_topic_name(self.node, topic)
         if not self.spin_until(lambda: bool(self.publishers(full_name)), _SETTLE):
             self.discover()
         return self._find(full_name)
@@ -178,7 +192,8 @@ class GraphView:
 
         if not self.spin_until(is_there, _SETTLE):
             self.discover()
-            found[:] = [n for n in self.nodes() if n.endswith(f"/{name.strip('/')}")]
+            if not is_there() and not name.startswith("/"):
+                found[:] = [n for n in self.nodes() if n.endswith(f"/{name}")]
         if len(found) == 1:
             return found[0]
         known = ", ".join(found or self.nodes()) or "none at all"

@@ -24,6 +24,7 @@ from spacecraft_gnc.analysis.live.picture import (
 from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes._endpoints import full_topic_name
 from spacecraft_gnc.nodes._graph import GraphView
 from spacecraft_gnc.nodes._inboxes import Inbox, Rates
 from spacecraft_gnc.nodes._setup_reader import SetupReader
@@ -57,6 +58,11 @@ class LiveSource:
         Of the spacecraft.
     clock
         Wall time [s]; tests hand in their own.
+
+    Raises
+    ------
+    TopicNameRefused
+        If ``namespace`` cannot be one.
     """
 
     transport: Transport | None = None
@@ -70,8 +76,8 @@ class LiveSource:
         prefix = f"/{space}/" if space else "/"
         self.setup = Setup(title=_title(view.domain_id), live=True)
         self.history = History()
+        self._state_name = full_topic_name(view.node, f"{prefix}{STATE.name}")
         self._reader = SetupReader(view.node, prefix)
-        self._state_name = f"{prefix}{STATE.name}"
         self._inboxes = {topic.name: Inbox() for topic in _TOPICS}
         for topic in _TOPICS:
             self._listen(topic, prefix)

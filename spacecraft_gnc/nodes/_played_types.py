@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from typing import Any, Final
 
 from rclpy.duration import Duration
@@ -15,6 +14,7 @@ from rclpy.qos import (
 )
 
 from spacecraft_gnc.nodes._bag_topics import prefixes
+from spacecraft_gnc.nodes._endpoints import message_type
 from spacecraft_gnc.recording.playback import PlayedTopic
 from spacecraft_gnc.recording.qos import INFINITE_NS, QosProfile
 from spacecraft_gnc.recording.schema_text import InstalledInterfaces
@@ -26,7 +26,7 @@ class Unplayable(Exception):
     """A topic cannot be published here, and why."""
 
 
-def message_type(topic: PlayedTopic) -> Any:
+def played_type(topic: PlayedTopic) -> Any:
     """Return the installed class of a topic's messages.
 
     Raises
@@ -34,10 +34,9 @@ def message_type(topic: PlayedTopic) -> Any:
     Unplayable
         If it is not installed, or in another version than the recorded one.
     """
-    package, _, leaf = topic.type_name.partition("/msg/")
     try:
-        found = getattr(importlib.import_module(f"{package}.msg"), leaf)
-    except (ImportError, AttributeError):
+        found = message_type(topic.type_name)
+    except ImportError:
         raise Unplayable(f"{topic.type_name} is not installed") from None
     installed = InstalledInterfaces(prefixes()).type_hash(topic.type_name)
     if installed and topic.type_hash and installed != topic.type_hash:

@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from spacecraft_gnc.nodes._bag_topics import is_stamped
 from spacecraft_gnc.nodes._endpoints import message_type
 from spacecraft_gnc.nodes._graph import GraphError, GraphView
 
 _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4  # after the encapsulation header
-_HEADER = "std_msgs/Header"
 _CLOCK = "/clock"
 _SAME_CLOCK = 86400.0  # [s] stamps farther from the wall clock than that are not wall time
 
@@ -128,9 +128,9 @@ def delays(view: GraphView, topic: str, window: float, patience: float) -> Itera
     info = view.find_topic(topic)
     watch = _Watch(_has_clock(view))
     kind = _installed(info.types[0])
-    if kind is not None and next(iter(kind.get_fields_and_field_types().values()), "") != _HEADER:
+    if kind is not None and not is_stamped(kind):
         raise GraphError(
-            f"{info.name}: received type {info.types[0]}, whose first field is no {_HEADER}; "
+            f"{info.name}: received type {info.types[0]}, which does not begin with a header; "
             "required a stamp to tell the age by; use `gnc inspect hz`"
         )
     if watch.simulated:

@@ -25,7 +25,11 @@ class ParameterRefused(GncError):
 
 
 class TransitionRefused(GncError):
-    """A node does not go through a transition."""
+    """A node cannot go through a transition from where it is."""
+
+
+class TransitionFailed(GncError):
+    """A node tried a transition and did not get through."""
 
     exit_code: ClassVar[int] = 1
 
@@ -125,7 +129,7 @@ class RemoteParameters:
         """
         before = self.get(name).value
         value = _as_declared(value, before)
-        parameter = Parameter(name, value=value)
+        parameter = _parameter(name, value)
         answer = _ask(self._view, self.name, lambda: self._client.set_parameters([parameter]))
         (result,) = answer.results
         if not result.successful:
@@ -189,7 +193,9 @@ class RemoteLifecycle:
         Raises
         ------
         TransitionRefused
-            It cannot be asked for now, or the node refused it.
+            It cannot be asked for now.
+        TransitionFailed
+            The node refused it.
         """
         known = self.transitions()
         if transition not in known:
@@ -200,9 +206,10 @@ class RemoteLifecycle:
         request = ChangeState.Request(transition=Transition(label=transition))
         sent = self._change.call_async(request)  # once: asking again would be another transition
         if not self._view.spin_until(sent.done, _TRANSITION_PATIENCE):
+            self._view.raise_interrupt()
             raise GraphError(f"{self.name}: no answer to {transition}; required one; see its log")
         if not sent.result().success:
-            raise TransitionRefused(
+            raise TransitionFailed(
                 f"{self.name}: refused {transition}; it is {self.state()} now; see its log"
             )
         return self.state()
@@ -210,6 +217,7 @@ class RemoteLifecycle:
 
 def _require_service(view: GraphView, name: str, what: str, is_ready: Callable[[], bool]) -> None:
     if not view.spin_until(is_ready, _PATIENCE):
+        view.raise_interrupt()
         raise GraphError(
             f"{name}: has no {what} on ROS_DOMAIN_ID={view.domain_id}; required a node that has; "
             "list the nodes with `gnc inspect nodes`"
@@ -223,8 +231,7 @@ def _ask(view: GraphView, name: str, send: Callable[[], Any]) -> Any:
         asked.append(send())
         if view.spin_until(lambda: any(future.done() for future in asked), _RETRY):
             return next(future.result() for future in asked if future.done())
-        if view.interrupted:
-            break
+        view.raise_interrupt()
     raise GraphError(
         f"{name}: does not answer; required an answer within {_PATIENCE:g} s; is it busy or gone?"
     )
@@ -234,6 +241,16 @@ def _plain(value: Any) -> Any:
     """Return a parameter value as Python's own types."""
     plain = parameter_value_to_python(value)
     return list(plain) if hasattr(plain, "__len__") and not isinstance(plain, str) else plain
+
+
+def _parameter(name: str, value: Any) -> Parameter:
+    try:
+        return Parameter(name, value=value)
+    except TypeError as error:
+        raise ParameterRefused(
+            f"{name}: received {value!r}; required what ROS 2 takes: a bool, an integer, a double, "
+            "a text, or a list of one of these; quote a text that YAML takes for a bool"
+        ) from error
 
 
 def _as_declared(value: Any, before: Any) -> Any:

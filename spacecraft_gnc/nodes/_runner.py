@@ -6,6 +6,8 @@ went away), 1 it could not go on, 2 its parameters were refused.
 
 from __future__ import annotations
 
+import faulthandler
+import gc
 import os
 import select
 import signal
@@ -28,7 +30,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
-from spacecraft_gnc.launcher.environment import SUPERVISED, prepare
+from spacecraft_gnc.launcher.environment import SUPERVISED, TELL_WHERE, prepare
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._params import given_parameters, parameter_files
 from spacecraft_gnc.scenario import read_sections
@@ -54,9 +56,17 @@ def run(*node_types: type[GncNode], arguments: Sequence[str] | None = None) -> i
     int
         Exit code.
     """
-    argv = list(sys.argv if arguments is None else arguments)
+    code = _run(node_types, list(sys.argv if arguments is None else arguments))
+    # Nodes are made of cycles, and what DDS has of them lives until these are collected. Left to
+    # the end of the interpreter, its threads can meet a Python half gone and keep the process.
+    gc.collect()
+    return code
+
+
+def _run(node_types: Sequence[type[GncNode]], argv: list[str]) -> int:
     stop = _StopRequest()
     nodes: list[GncNode] = []
+    executor: Executor | None = None
     try:
         _check_arguments(argv)
         prepare(os.environ)
@@ -78,10 +88,18 @@ def run(*node_types: type[GncNode], arguments: Sequence[str] | None = None) -> i
         traceback.print_exc()
         return 1
     finally:
-        for node in nodes:
-            with suppress(Exception):  # the process ends anyway; its exit code is settled
-                node.destroy_node()
-        rclpy.try_shutdown()
+        _leave(executor, nodes)
+
+
+def _leave(executor: Executor | None, nodes: Sequence[GncNode]) -> None:
+    """Give back what the nodes had; the process ends anyway, and its exit code is settled."""
+    if executor is not None:
+        with suppress(Exception):
+            executor.shutdown()  # else it holds the ends of all nodes
+    for node in nodes:
+        with suppress(Exception):
+            node.destroy_node()
+    rclpy.try_shutdown()
 
 
 def report(error: Exception) -> None:
@@ -99,6 +117,8 @@ class _StopRequest:
         self._next_look = 0.0
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._ask)
+        if self._supervised:
+            faulthandler.register(TELL_WHERE)
 
     def _ask(self, *_: Any) -> None:
         self._asked = True
@@ -161,8 +181,8 @@ def _spin_once(executor: Executor, timeout: float) -> None:
 def _end(executor: Executor, nodes: Sequence[GncNode]) -> None:
     """Shut the nodes down, last first, so that the recorder hears the last words of all."""
     for node in reversed(nodes):
-        _drain(executor, node)
         if node.active:
+            _drain(executor, node)
             node.trigger_deactivate()
             _drain(executor, nodes[0])
     for node in reversed(nodes):

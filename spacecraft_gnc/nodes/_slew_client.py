@@ -55,6 +55,7 @@ def slew(
     """
     client = ActionClient(view.node, SlewTo, SLEW_ACTION)
     if not view.spin_until(client.server_is_ready, _PATIENCE):
+        view.raise_interrupt()
         raise GraphError(
             f"{SLEW_ACTION}: no action server on ROS_DOMAIN_ID={view.domain_id}; required a live "
             "graph with a reference_governor; start one with `gnc launch`, or give --domain-id"

@@ -23,7 +23,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.nodes._outlet import Outlet
-from spacecraft_gnc.nodes._played_types import Unplayable, message_type, ros_qos
+from spacecraft_gnc.nodes._played_types import Unplayable, played_type, ros_qos
 from spacecraft_gnc.recording.play_clock import PlayClock
 from spacecraft_gnc.recording.playback import Moment, Playback
 
@@ -132,7 +132,7 @@ class Player:
         self._outlets: dict[str, Outlet] = {}
         for name, topic in list(self._playback.topics.items()):
             try:
-                kind = message_type(topic)
+                kind = played_type(topic)
             except Unplayable as reason:
                 self._playback.leave_out(name)
                 yield name, str(reason)

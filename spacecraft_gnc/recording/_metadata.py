@@ -9,7 +9,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import yaml
 
@@ -105,13 +105,26 @@ def dump(mapping: dict[str, object]) -> str:
     return yaml.safe_dump(mapping, sort_keys=False)
 
 
-def read_losses(folder: Path) -> dict[str, int]:
-    """Return the messages known to be lost by topic; none of a bag that is not closed."""
+def read_counts(folder: Path) -> dict[str, int] | None:
+    """Return the number of messages by topic; None of a bag that is not closed."""
+    about = _information(folder)
+    if about is None:
+        return None
+    entries = about["topics_with_message_count"]
+    return {entry["topic_metadata"]["name"]: entry["message_count"] for entry in entries}
+
+
+def _information(folder: Path) -> dict[str, Any] | None:
     try:
         text = (folder / METADATA_NAME).read_text(encoding="utf-8")
     except OSError:
-        return {}
-    told = yaml.safe_load(text)["rosbag2_bagfile_information"]["custom_data"] or {}
+        return None
+    return dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
+
+
+def read_losses(folder: Path) -> dict[str, int]:
+    """Return the messages known to be lost by topic; none of a bag that is not closed."""
+    told = (_information(folder) or {}).get("custom_data") or {}
     words = ((key.split(" "), value) for key, value in told.items())
     return {key[1]: int(lost) for key, lost in words if key[0] == _LOST and len(key) == 2}
 

@@ -18,6 +18,17 @@ STUBBORN = (
     "print('up', flush=True); sys.stdin.read()"
 )
 
+HANGING = """
+import faulthandler, signal, sys
+from spacecraft_gnc.launcher.environment import TELL_WHERE
+signal.signal(signal.SIGTERM, signal.SIG_IGN)
+faulthandler.register(TELL_WHERE)
+def stuck_here():
+    print('up', flush=True)
+    sys.stdin.read()
+stuck_here()
+"""
+
 
 def start(code: str, log: Path) -> NodeProcess:
     process = NodeProcess("plant", ["-c", code], os.environ, log)
@@ -35,7 +46,15 @@ def test_ends_when_asked(tmp_path: Path) -> None:
 def test_is_killed_when_stubborn(tmp_path: Path) -> None:
     process = start(STUBBORN, tmp_path / "log")
     end_all([process], 0.1)
+    assert process.exit_code in (-signal.SIGKILL, -environment.TELL_WHERE)
+    assert process.describe_end().endswith("did not end within 0 s and was killed")
+
+
+def test_one_that_hangs_tells_where(tmp_path: Path) -> None:
+    process = start(HANGING, tmp_path / "log")
+    end_all([process], 0.1)
     assert process.exit_code == -signal.SIGKILL
+    assert any("in stuck_here" in line for line in process.last_words())
 
 
 def test_sees_the_launcher_go(tmp_path: Path) -> None:

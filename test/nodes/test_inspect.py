@@ -161,6 +161,13 @@ def test_a_topic_that_is_not_there(graph: Graph, command: str) -> None:
     assert "/nowhere: no such topic" in answer.error
 
 
+@pytest.mark.parametrize("name", ["bad//name", "7up", ""])
+def test_a_name_that_no_topic_can_have(graph: Graph, name: str) -> None:
+    answer = graph.inspect("echo", name)
+    assert answer.code == 2
+    assert "required the name of a topic" in answer.error
+
+
 @pytest.mark.parametrize("command", ["echo", "hz", "delay"])
 def test_patience_has_an_end(graph: Graph, command: str) -> None:
     answer = graph.inspect(command, "attitude_state", "--timeout", "0.3")
@@ -185,7 +192,7 @@ def test_delay_is_told_in_simulated_time(graph: Graph) -> None:
 def test_delay_needs_a_stamp(graph: Graph) -> None:
     answer = graph.inspect("delay", "/elsewhere/words")
     assert answer.code == 1
-    assert "whose first field is no std_msgs/Header" in answer.error
+    assert "does not begin with a header" in answer.error
 
 
 def test_parameters_are_listed_got_and_set(graph: Graph) -> None:
@@ -212,6 +219,8 @@ def test_a_refused_parameter_shows_why(graph: Graph) -> None:
         (("get", "plant", "time_stp"), "did you mean time_step?"),
         (("set", "plant", "time_step", "[1, a"), "required one YAML value"),
         (("set", "plant", "nothing", "1"), "no such parameter of /plant"),
+        (("set", "talker", "gain", "[x, y]"), "received ['x', True]; required what ROS 2 takes"),
+        (("set", "talker", "gain", "[[1.0], [2.0]]"), "required a flat list"),
     ],
 )
 def test_bad_parameter_requests(graph: Graph, argv: tuple[str, ...], words: str) -> None:
@@ -227,6 +236,12 @@ def test_a_node_that_is_not_there(graph: Graph) -> None:
     assert "/elsewhere/talker, /plant" in answer.error
 
 
+def test_a_full_name_is_one_node(graph: Graph) -> None:
+    graph.ros.add(Node("plant", namespace="elsewhere"))
+    assert graph.inspect("params", "/plant", "--json").json["node"] == "/plant"
+    assert graph.inspect("params", "/nowhere/plant").code == 1
+
+
 def test_life_cycle(graph: Graph) -> None:
     before = graph.inspect("lifecycle", "plant", "--json").json
     assert before["state"] == "inactive"
@@ -234,7 +249,7 @@ def test_life_cycle(graph: Graph) -> None:
     after = graph.inspect("lifecycle", "plant", "activate")
     assert (after.code, after.out.splitlines()[0]) == (0, "/plant: active")
     refused = graph.inspect("lifecycle", "plant", "configure")
-    assert refused.code == 1
+    assert refused.code == 2
     assert "received transition 'configure' in state active" in refused.error
 
 
@@ -249,6 +264,12 @@ def test_watch_without_a_flight(graph: Graph) -> None:
     assert answer.code == 1
     assert "nothing received yet from /attitude_state" in answer.error
     assert "a plant is there, but has not begun" in answer.error
+
+
+def test_watch_refuses_what_is_no_namespace(graph: Graph) -> None:
+    answer = graph.inspect("watch", "--namespace", "a//b")
+    assert answer.code == 2
+    assert "'/a//b/attitude_state': topic name must not contain repeated '/'" in answer.error
 
 
 MISSING = """

@@ -1,0 +1,88 @@
+"""What ``gnc launch`` makes of the bag that a flight has left."""
+
+from __future__ import annotations
+
+import os
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+from recording.bags import CODEC
+
+from spacecraft_gnc.cli.launch import _never_published
+from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.launcher.launcher import Launcher
+from spacecraft_gnc.launcher.outcome import Interrupted, Outcome
+from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
+from spacecraft_gnc.recording.writer import BagWriter
+
+CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
+STRING = "std_msgs/msg/String"
+A = b"\0\1\0\0\2\0\0\0a\0"
+
+
+def record(plan: LaunchPlan, lost: int) -> Outcome:
+    """Leave a bag of one message and ``lost`` lost ones."""
+    with BagWriter(plan.bag) as bag:
+        bag.add_topic("/words", STRING, CODEC.texts[STRING])
+        bag.add_topic("/silent", STRING, CODEC.texts[STRING])
+        bag.write("/words", 0, 0, A)
+        bag.report_loss("/words", lost)
+    return Outcome(
+        domain_id=1,
+        steps=1,
+        simulated_time=0.4,
+        wall_time=0.1,
+        startup_time=1.0,
+        missed_deadlines=0,
+        restarts=(),
+        bags=(str(plan.bag),),
+    )
+
+
+@pytest.mark.parametrize("lost", [0, 7])
+def test_a_loss_is_a_failure(monkeypatch: Any, capsys: Any, tmp_path: Path, lost: int) -> None:
+    monkeypatch.setattr(Launcher, "run", lambda self: record(self.plan, lost))
+    code = 0
+    try:
+        main(["launch", str(CASE1), "--out", str(tmp_path / "run"), "--quiet"])
+    except SystemExit as end:
+        code = int(end.code or 0)
+    out, err = capsys.readouterr()
+    bag = tmp_path / "run" / "bag"
+    shout = f"error: {bag}: MESSAGES LOST, the bag is not complete: /words 7\n"
+    assert (code, out, err) == ((1, "", shout) if lost else (0, "", ""))
+
+
+def test_a_loss_is_told_after_ctrl_c_too(monkeypatch: Any, capsys: Any, tmp_path: Path) -> None:
+    def interrupted(launcher: Launcher) -> Outcome:
+        record(launcher.plan, 7)
+        raise Interrupted(signal.SIGINT)
+
+    monkeypatch.setattr(Launcher, "run", interrupted)
+    with pytest.raises(SystemExit) as end:
+        main(["launch", str(CASE1), "--out", str(tmp_path / "run"), "--quiet"])
+    assert end.value.code == 130
+    ended, where, shout = capsys.readouterr().err.splitlines()
+    assert ended == "error: ended by SIGINT"
+    assert where == f"  recorded until then in {tmp_path}/run/bag"
+    assert "MESSAGES LOST" in shout
+
+
+def test_topics_that_nobody_published(tmp_path: Path) -> None:
+    topics = "recorder.topics=['*', words, /silent, /nowhere/at_all]"
+    plan = make_plan(CASE1, [topics], out=tmp_path / "run")
+    assert _never_published(plan, record(plan, 0)) == ["/silent", "/nowhere/at_all"]
+
+
+def test_ctrl_c_while_the_command_is_loaded(monkeypatch: Any) -> None:
+    from spacecraft_gnc import __main__
+
+    def interrupt() -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr("spacecraft_gnc.cli.main.main", interrupt)
+    with pytest.raises(SystemExit) as end:
+        __main__.main()
+    assert end.value.code == 130
