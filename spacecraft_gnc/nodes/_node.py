@@ -25,7 +25,7 @@ from spacecraft_gnc.nodes._convert import Stamp
 from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
 from spacecraft_gnc.nodes._params import load_scenario
 from spacecraft_gnc.nodes._readiness import Readiness
-from spacecraft_gnc.nodes._topics import DIAGNOSTICS, PLANT, READY, Topic
+from spacecraft_gnc.nodes._topics import DIAGNOSTICS, PLANT, READY, RECORDER, Topic
 from spacecraft_gnc.scenario import Scenario
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
@@ -82,6 +82,16 @@ class GncNode(LifecycleNode):
 
     def on_everyone_ready(self) -> None:
         """All endpoints of this node are matched, for the first time since activation."""
+
+    def is_reborn(self, step: int) -> bool:
+        """Tell whether a node whose first state is that of ``step`` has to be asked twice.
+
+        One that is restarted in mid-flight finds the recorder up to 50 ms before the recorder finds
+        it, and what it publishes in between is in no bag. The plant repeats the state of a stalled
+        step after 0.25 s.
+        """
+        lockstep = self.scenario.plant.mode == "lockstep"
+        return step > 0 and lockstep and RECORDER in self.scenario.plant.peers
 
     # Transitions.
 

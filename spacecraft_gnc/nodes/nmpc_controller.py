@@ -91,6 +91,7 @@ class ControllerNode(GncNode):
         self._skipped = 0
         self._due = 0  # a ROS-time timer never fires at t = 0, where step 0 is due
         self._command: Command | None = None
+        self._unheard = False
         self._markers.publish(encode_zone_markers(self.scenario.controller.zones))
         # A fast solve costs less than handing it to another thread and back.
         self._worker = Worker(self, self._solve, self._on_solved) if self._controller.slow else None
@@ -112,6 +113,7 @@ class ControllerNode(GncNode):
             self._repeat()
             return
         last = _NEVER if self._state is None else self._state.step
+        joining = self._state is None
         try:
             self._stamp, self._state, _ = convert.decode_state(data, last)
         except convert.Refused as error:
@@ -119,6 +121,7 @@ class ControllerNode(GncNode):
             return
         self._state_bytes = data
         self._arrival = time.perf_counter()
+        self._unheard = joining and self.is_reborn(self._state.step)
         self._answer_if_due()
 
     def _on_reference(self, data: bytes) -> None:
@@ -141,7 +144,7 @@ class ControllerNode(GncNode):
 
     def _answer_if_due(self) -> None:
         state, reference = self._state, self._reference
-        if state is None or reference is None or self._busy:
+        if state is None or reference is None or self._busy or self._unheard:
             return
         step = state.step
         if self._reference_step == step > self._answered and self._due >= step:
@@ -176,7 +179,10 @@ class ControllerNode(GncNode):
         self._publish_status(self._status.encode(job.stamp, job.state.step, command, wall))
 
     def _repeat(self) -> None:
-        if self._state is not None and self._answered == self._state.step and not self._busy:
+        if self._unheard:
+            self._unheard = False
+            self._answer_if_due()
+        elif self._state is not None and self._answered == self._state.step and not self._busy:
             self._publish_torque(self._torque_bytes)
 
     def _report(self) -> None:

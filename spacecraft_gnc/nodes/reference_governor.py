@@ -111,7 +111,9 @@ class GovernorNode(GncNode):
         if data == self._state_bytes:
             if self._reference_bytes:
                 self._publish_reference(self._reference_bytes)
+            self._decide_next()
             return
+        joining = self._received_step == _NEVER
         try:
             received = _Received(*convert.decode_state(data, self._received_step))
         except convert.Refused as error:
@@ -120,7 +122,8 @@ class GovernorNode(GncNode):
         self._received_step = received.state.step
         self._state_bytes, self._reference_bytes = data, b""
         self._waiting = received
-        self._decide_next()
+        if not (joining and self.is_reborn(received.state.step)):
+            self._decide_next()
 
     def _on_target(self, data: bytes) -> None:
         if not self.active:
