@@ -52,7 +52,7 @@ class Recording:
         self._governor = GovernorStatusEncoder()
         self._solver = SolverStatusEncoder(scenario.controller.method, scenario.controller.horizon)
         for topic in RECORDED:
-            announce(bag, f"/{topic.name}", topic)
+            announce(bag, f"/{topic.name}", topic.type, [topic.qos], gapless=True)
 
     def _write(self, messages: Mapping[str, bytes], stamp: convert.Stamp) -> None:
         log_time = stamp[0] * 1_000_000_000 + stamp[1]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import struct
+from pathlib import Path
 
 import pytest
 from flown_bags import fly, messages_of, rewrite, sections
@@ -23,7 +24,9 @@ from spacecraft_gnc.recording._topic import step_of
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
 from spacecraft_gnc.recording.rebuild import rebuild
+from spacecraft_gnc.scenario import read_sections
 
+CONFIG = Path(__file__).parents[2] / "config"
 # Bytes of a serialized message: four of encapsulation, the stamp, the frame, padding, the step.
 APPLIED = "plant_invariants.applied_torque"
 NS = 400_000_000  # control period [ns]
@@ -393,6 +396,23 @@ def test_every_method_passes_and_one_changed_command_is_caught(tmp_path, name):
     assert changed != messages_of(flown)
     found = audit_bag(rewrite(flown, tmp_path / "changed", changed))
     assert first_of(found)[1:] == (3, "torque_command.torque[0]")
+
+
+def test_a_reference_that_is_held_keeps_every_bit(tmp_path):
+    scenario = read_sections(CONFIG / "kalabic2014_governor.yaml")
+    scenario["plant"]["duration"] = 7.2
+    flown = fly(tmp_path, scenario)
+    with open_bag(flown) as opened:
+        alpha = read_columns(opened, ["governor_status"])["governor_status"].fields["alpha"]
+    step = next(k for k in range(1, 72) if alpha[k] == 0.0)
+    changed = [
+        (topic, stamp, flipped(data, 8 * (36 + 8 * 4))
+         if topic == "/attitude_reference" and step_of(data) == step else data)
+        for topic, stamp, data in messages_of(flown)
+    ]  # fmt: skip
+    found = audit_bag(rewrite(flown, tmp_path / "changed", changed))
+    assert "reference moves by alpha" in {c.name for c in found.checks if c.first is not None}
+    assert found.first[1].step == step
 
 
 def examined(audit):
