@@ -62,7 +62,7 @@ def test_a_frame_shows_what_matters() -> None:
 
 def test_without_parameters_no_limit_is_known() -> None:
     out = StringIO()
-    Console(file=out, width=100).print(render(PICTURE, Setup("x", live=True)))
+    Console(file=out, width=100).print(render(PICTURE, Setup(title="x", live=True)))
     assert " N m, no limit known" in out.getvalue()
 
 
