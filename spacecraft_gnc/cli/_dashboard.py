@@ -185,8 +185,8 @@ def _torque_rows(picture: Picture, setup: Setup) -> Iterator[tuple[str, str | Te
     scale = setup.torque_limit or max(norm, 1e-12)
     for axis, value in zip("xyz", picture.torque.tolist(), strict=True):
         yield f"torque {axis}", _bar(value, scale, setup.torque_limit)
-    limit = f" of {setup.torque_limit:g}" if setup.torque_limit else ", no limit known"
-    yield "|u|", f"{norm:.4e}{limit} N m"
+    limit = f" of {setup.torque_limit:g} N m" if setup.torque_limit else " N m, no limit known"
+    yield "|u|", f"{norm:.4e}{limit}"
     yield "from", _source(picture.source)
 
 

@@ -11,7 +11,7 @@ import pytest
 from live.watching import Wall, recorded
 from rich.console import Console
 
-from spacecraft_gnc.analysis.live.picture import Decision, Phase, Picture, Solve, Timing
+from spacecraft_gnc.analysis.live.picture import Decision, Phase, Picture, Setup, Solve, Timing
 from spacecraft_gnc.cli._dashboard import line, render
 
 SETUP = replace(recorded(Wall()).setup, live=True, governor="attitude")
@@ -58,6 +58,12 @@ def test_a_frame_shows_what_matters() -> None:
         assert words in text
     assert "target_attitude" not in text  # nothing comes there
     assert "nan" not in text
+
+
+def test_without_parameters_no_limit_is_known() -> None:
+    out = StringIO()
+    Console(file=out, width=100).print(render(PICTURE, Setup(title="x", live=True)))
+    assert " N m, no limit known" in out.getvalue()
 
 
 def test_bars_end_at_the_limit() -> None:
