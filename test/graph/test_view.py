@@ -81,7 +81,7 @@ def test_a_page_sees_a_whole_flight(graph: Any) -> None:
         assert watcher.waiting.wait(PATIENCE)
         graph.fly(
             "plant.mode=free_run",
-            "plant.real_time_factor=30",
+            "plant.real_time_factor=12",
             f"launcher.domain_id={chosen}",
             record=False,
         )
@@ -108,7 +108,7 @@ def test_watch_follows_a_flight_to_its_end(graph: Any) -> None:
     with gnc("inspect", "watch", "--domain-id", chosen, "--timeout", "60") as watch:
         graph.fly(
             "plant.mode=free_run",
-            "plant.real_time_factor=30",
+            "plant.real_time_factor=12",
             f"launcher.domain_id={chosen}",
             record=False,
         )

@@ -68,6 +68,7 @@ def test_controller_and_governor_refuse_bad_states(ros: Any, bad: str) -> None:
     governor = started(ros.add(GovernorNode()))
     for node in (controller, governor):
         node._on_state(state(2))
+        node._on_state(state(2))  # one that joins in mid-flight answers the repeat
         node._on_state(BAD_STATES[bad]())
         assert node.refused == 1
     assert controller._state.step == 2
@@ -138,9 +139,27 @@ def test_the_controller_waits_for_its_tick(ros: Any) -> None:
     controller = started(ros.add(ControllerNode()))
     sent: list[bytes] = []
     controller._publish_torque = sent.append
-    controller._on_state(state(4))
+    for _ in range(2):  # one that joins in mid-flight answers the repeat
+        controller._on_state(state(4))
     controller._on_reference(reference(4))
     assert sent == []
     controller._due = 4
     controller._answer_if_due()
     assert len(sent) == 1
+
+
+@pytest.mark.parametrize(("step", "asked"), [(0, 1), (4, 2)])
+def test_who_joins_in_mid_flight_answers_the_repeat(ros: Any, step: int, asked: int) -> None:
+    """The first answers would be heard by all but the recorder, which finds a new node last."""
+    controller = started(ros.add(ControllerNode()))
+    governor = started(ros.add(GovernorNode()))
+    torques: list[bytes] = []
+    references: list[bytes] = []
+    controller._publish_torque = torques.append
+    governor._publish_reference = references.append
+    controller._due = step
+    controller._on_reference(reference(step))
+    for number in range(1, asked + 1):
+        controller._on_state(state(step))
+        governor._on_state(state(step))
+        assert len(torques) == len(references) == (number == asked)

@@ -171,9 +171,9 @@ def test_a_result_that_comes_after_deactivation_is_dropped(ros: Any, controller:
     ros.spin_until(lambda: not worker.busy)
     assert controller.sent == []
     controller._due = 100
-    ask(controller, 1)
+    ask(controller, 0)
     Gated.gate.release()
-    ros.spin_until(lambda: steps(controller) == [1])
+    ros.spin_until(lambda: steps(controller) == [0])
 
 
 def test_a_solve_without_end_does_not_hold_the_node(
@@ -205,10 +205,10 @@ def test_a_node_configured_anew_does_not_wait_for_it(
     sent: list[bytes] = []
     controller._publish_torque = sent.append
     controller._due = 100
-    ask(controller, 1)
+    ask(controller, 0)
     Gated.gate.release(2)
     ros.spin_until(lambda: sent and not worker.busy)
-    assert [convert.decode_torque(data).step for data in sent] == [1]
+    assert [convert.decode_torque(data).step for data in sent] == [0]
 
 
 def test_an_exception_in_the_thread_ends_the_node(ros: Any, controller: Any) -> None:
