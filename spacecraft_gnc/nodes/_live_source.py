@@ -108,6 +108,11 @@ class LiveSource:
         return self._step >= 0
 
     @property
+    def _is_abandoned(self) -> bool:
+        """Whether no plant was there when last looked, and nothing has come since."""
+        return self._publishers == 0 and self._look_at > self._arrived
+
+    @property
     def ended(self) -> bool:
         """Whether the flight is over."""
         return self._phase(self._clock()) is Phase.OVER
@@ -154,7 +159,7 @@ class LiveSource:
     def _phase(self, now: float) -> Phase:
         if not self.heard:
             return Phase.WAITING
-        if 0 < self.setup.n_steps <= self._step or self._publishers == 0:
+        if 0 < self.setup.n_steps <= self._step or self._is_abandoned:
             return Phase.OVER
         patience = max(_STALE, _STALE_PERIODS * self._interval)
         return Phase.STALE if now - self._arrived > patience else Phase.FLYING
@@ -173,7 +178,7 @@ class LiveSource:
     def _sample(self) -> None:
         """Sample the steps before the newest, whose reference and torque have come by now."""
         states = self._inboxes[STATE.name].messages
-        end = self._step + (1 if self._publishers == 0 else 0)
+        end = self._step + (1 if self._is_abandoned else 0)
         new = [k for k in states if self._sampled < k < end and self.history.wants(k)]
         if not new:
             return

@@ -158,6 +158,15 @@ def test_a_slow_flight_is_not_stale(stage: Stage) -> None:
     assert stage.source.picture().phase is Phase.FLYING
 
 
+def test_a_flight_that_begins_between_two_looks_is_not_over(stage: Stage) -> None:
+    stage.source.picture()  # nobody publishes yet
+    stage.wall.now += 0.1
+    stage.take_off()
+    stage.fly(0)
+    stage.fly(1)
+    assert stage.source.picture().phase is Phase.FLYING
+
+
 def test_the_end_is_told_and_the_last_step_is_kept(stage: Stage) -> None:
     stage.take_off()
     for step in range(3):
