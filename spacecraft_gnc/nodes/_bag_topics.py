@@ -7,7 +7,7 @@ import struct
 import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy.qos import (
     DurabilityPolicy,
@@ -19,12 +19,14 @@ from rclpy.qos import (
 from rclpy.utilities import get_rmw_implementation_identifier
 
 from spacecraft_gnc.nodes._params import parameter_files
-from spacecraft_gnc.nodes._topics import Topic
 from spacecraft_gnc.recording.provenance import version_of
 from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
 from spacecraft_gnc.recording.schema_text import InstalledInterfaces, schema_text
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import Scenario
+
+if TYPE_CHECKING:  # it imports every message of the graph; `gnc inspect` must not need them
+    from spacecraft_gnc.nodes._topics import Topic
 
 _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4  # after the encapsulation header
