@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 import time
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from spacecraft_gnc.recording.schema_text import InstalledInterfaces, schema_tex
 
 _LOOK: Final = 1.0  # [s] wall between two looks for new topics
 _SPIN: Final = 0.02  # [s] wall
+_PATIENCE: Final = 1.0  # [s] wall, for the first tick of a clock
 _CLOCK: Final = "/clock"
 _STAMP: Final = struct.Struct("<iI")
 _STAMP_AT: Final = 4  # after the encapsulation header
@@ -39,7 +41,8 @@ class Relay:
         The graph.
     announce, send
         Called for each new topic, and with topic, time [ns] and bytes of each message. The time is
-        that of /clock where a node publishes it, else wall time.
+        that of /clock where a node publishes it, else wall time. Messages that come before the
+        first tick wait for it, a second at most: two kinds of time would be decades apart.
     """
 
     def __init__(
@@ -52,6 +55,8 @@ class Relay:
         self._known: set[str] = set()
         self._looked = -_LOOK
         self._simulated: int | None = None
+        self._clock_due = -math.inf  # [s] wall; no clock is waited for after it
+        self._held: list[tuple[str, bytes]] = []
 
     def look(self) -> None:
         """Take in topics that are new, once a second."""
@@ -59,15 +64,19 @@ class Relay:
         if now - self._looked < _LOOK:
             return
         self._looked = now
-        for info in self._view.topics():
-            if info.publishers and info.name not in self._known:
-                self._known.add(info.name)
-                self._take_in(info)
+        published = (info for info in self._view.topics() if info.publishers)
+        new = [info for info in published if info.name not in self._known]
+        if any(info.name == _CLOCK for info in new):
+            self._clock_due = now + _PATIENCE
+        for info in new:
+            self._known.add(info.name)
+            self._take_in(info)
 
     def wait(self) -> None:
         """Handle what arrives for a moment."""
         deadline = time.monotonic() + _SPIN
         self._view.spin_until(lambda: time.monotonic() >= deadline)
+        self._let_go()
 
     def _take_in(self, info: TopicInfo) -> None:
         kind, name = info.types[0], info.name
@@ -76,12 +85,20 @@ class Relay:
             profiles = [end.qos for end in self._view.publishers(name)]
             latched = any(p.durability == DurabilityPolicy.TRANSIENT_LOCAL for p in profiles)
             self._announce(name, kind, definition, latched=latched)
-            self._view.subscribe(name, lambda data: self._pass_on(name, data), raw=True)
+            self._view.subscribe(name, lambda data: self._take(name, data), raw=True)
         except (RecordingError, GraphError):
             return  # not installed, or an action's own: others are shown all the same
 
-    def _pass_on(self, topic: str, data: bytes) -> None:
+    def _take(self, topic: str, data: bytes) -> None:
         if topic == _CLOCK:
             seconds, nanoseconds = _STAMP.unpack_from(data, _STAMP_AT)
             self._simulated = seconds * _NS_PER_S + nanoseconds
-        self._send(topic, time.time_ns() if self._simulated is None else self._simulated, data)
+        self._held.append((topic, data))
+        self._let_go()
+
+    def _let_go(self) -> None:
+        if self._simulated is None and time.monotonic() < self._clock_due:
+            return
+        held, self._held = self._held, []
+        for topic, data in held:
+            self._send(topic, time.time_ns() if self._simulated is None else self._simulated, data)

@@ -7,16 +7,23 @@ import os
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 from live.test_foxglove import HEADER, MESSAGE, App
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
+from spacecraft_gnc.nodes import _relay
 from spacecraft_gnc.nodes._cdr import encode
+from spacecraft_gnc.nodes._endpoints import Endpoint, TopicInfo
+from spacecraft_gnc.nodes._relay import Relay
 from spacecraft_gnc.nodes._topics import latched
 
 pytest.importorskip("foxglove")
@@ -25,16 +32,22 @@ TIME = 7_250_000_000  # [ns] simulated
 
 
 class Listener(threading.Thread):
-    """Collects what the app receives until it has what it waits for."""
+    """Collects what the app receives until each topic has come, one of them at its time [ns]."""
 
-    def __init__(self, port: int, wanted: set[str]) -> None:
+    def __init__(self, port: int, wanted: dict[str, int | None]) -> None:
         super().__init__(daemon=True)
         self.app = App(port)
         self.wanted = wanted
         self.found: dict[str, tuple[int, bytes]] = {}
 
+    def _has_all(self) -> bool:
+        return all(
+            topic in self.found and stamp in (None, self.found[topic][0])
+            for topic, stamp in self.wanted.items()
+        )
+
     def run(self) -> None:
-        while not self.wanted <= set(self.found):
+        while not self._has_all():
             opcode, data = self.app.read()
             if opcode is None:
                 self.app.subscribe()
@@ -43,6 +56,64 @@ class Listener(threading.Thread):
                 names = {c["id"]: topic for topic, c in self.app.channels.items()}
                 self.found[names[channel]] = (log_time, data[HEADER.size :])
         self.app.socket.close()
+
+
+class Graph:
+    """A graph of two topics, one of them the clock, whose messages the test says."""
+
+    def __init__(self) -> None:
+        self.say: dict[str, Callable[[bytes], None]] = {}
+
+    def topics(self) -> list[TopicInfo]:
+        return [
+            TopicInfo("/a_pose", ("geometry_msgs/msg/PoseStamped",), 1, 0),
+            TopicInfo("/clock", ("rosgraph_msgs/msg/Clock",), 1, 0),
+        ]
+
+    def publishers(self, name: str) -> list[Endpoint]:
+        return [Endpoint("/talker", name, QoSProfile(depth=1))]
+
+    def subscribe(self, name: str, callback: Callable[[bytes], None], *, raw: bool) -> None:
+        assert raw
+        self.say[name] = callback
+
+    def spin_until(self, done: Callable[[], bool]) -> None:
+        while not done():
+            pass
+
+
+@pytest.fixture
+def relayed() -> tuple[Graph, Relay, list[tuple[str, int, bytes]]]:
+    graph, sent = Graph(), []
+    relay = Relay(graph, lambda *_, **__: None, lambda *message: sent.append(message))
+    return graph, relay, sent
+
+
+def test_nothing_is_shown_at_wall_time_where_a_clock_is_about_to_tick(relayed: Any) -> None:
+    graph, relay, sent = relayed
+    relay.look()
+    graph.say["/a_pose"](b"before")
+    assert sent == []
+    tick = encode(Clock(clock=Time(sec=7, nanosec=250_000_000)))
+    graph.say["/clock"](tick)
+    graph.say["/a_pose"](b"after")
+    assert sent == [
+        ("/a_pose", TIME, b"before"),
+        ("/clock", TIME, tick),
+        ("/a_pose", TIME, b"after"),
+    ]
+
+
+def test_a_clock_that_is_silent_holds_nobody_up(relayed: Any, monkeypatch: Any) -> None:
+    graph, relay, sent = relayed
+    monkeypatch.setattr(_relay, "_PATIENCE", 0.0)
+    before = time.time_ns()
+    relay.look()
+    graph.say["/a_pose"](b"")
+    relay.wait()
+    ((topic, stamp, data),) = sent
+    assert (topic, data) == ("/a_pose", b"")
+    assert before <= stamp <= time.time_ns()
 
 
 def test_topics_of_any_package_reach_the_app(ros: Any) -> None:
@@ -75,14 +146,16 @@ def test_topics_of_any_package_reach_the_app(ros: Any) -> None:
         reader = threading.Thread(target=read, daemon=True)
         reader.start()
         ros.spin_until(lambda: not reader.is_alive())
-        listener = Listener(about["port"], {"/once", "/often", "/clock"})
+        # A clock found a look later than the others leaves the first of them at wall time.
+        wanted = {"/once": None, "/often": TIME, "/clock": TIME}
+        listener = Listener(about["port"], wanted)
         listener.start()
         ros.spin_until(lambda: not listener.is_alive())
         view.terminate()
         ros.spin_until(lambda: view.poll() is not None)
     node.destroy_timer(timer)
     assert view.returncode == 0
-    assert listener.found["/often"] == (TIME, encode(pose))
+    assert listener.found["/often"][1] == encode(pose)
     assert listener.found["/once"][1] == encode(pose)
     assert listener.found["/clock"][1] == encode(clock)
     channel = listener.app.channels["/often"]
