@@ -11,7 +11,7 @@ import numpy as np
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
-from spacecraft_gnc.recording.reader import NPZ_SUFFIX
+from spacecraft_gnc.recording.reader import is_npz
 from spacecraft_gnc.recording.steps import INVARIANTS, SOLVER_STATUS, WALL_TIMING
 from spacecraft_gnc.types import Array
 
@@ -71,7 +71,7 @@ def read_telemetry(
         If the bag cannot be read any more.
     """
     trajectory, path = flight.trajectory, flight.info.path
-    if path.suffix == NPZ_SUFFIX and not path.is_dir():
+    if is_npz(path):
         return computed(trajectory, scenario)
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         topics = read_columns(

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.recording.reader import NPZ_SUFFIX
+from spacecraft_gnc.recording.reader import is_npz
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -39,7 +39,7 @@ def audit_verdict(
     A file of ``gnc simulate`` holds neither plans nor commands to recompute, and is not audited;
     nor is a bag that the audit refuses, for instance because it holds no scenario.
     """
-    if path.suffix == NPZ_SUFFIX and not path.is_dir():
+    if is_npz(path):
         return Verdict(None, "not audited: a .npz file holds no plans; record a bag")
     from spacecraft_gnc.analysis.audit.run import audit_bag  # loads the kernels
 
@@ -67,9 +67,10 @@ def _sentence(audit: Audit) -> str:
 def _lines(audit: Audit) -> list[tuple[str, str, str, str, str]]:
     lines = []
     for check in audit.checks:
-        worst = "-" if check.is_condition or not check.steps else f"{check.worst:.2g}"
         where = "" if check.first is None else f"step {check.first.step}: {check.first.field}"
         remark = where or check.note
         verdict = f"{check.verdict}: {remark}" if remark else check.verdict
-        lines.append((check.name, str(check.steps or "-"), worst, check.tolerance, verdict))
+        lines.append(
+            (check.name, str(check.steps or "-"), check.worst_text, check.tolerance, verdict)
+        )
     return lines

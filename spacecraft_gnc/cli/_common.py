@@ -41,6 +41,9 @@ NamespaceOption = Annotated[
 JsonOption = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout and nothing else.")
 ]
+UnfinishedOption = Annotated[
+    bool, typer.Option("--unfinished", help="Read what was saved of a bag that was cut off.")
+]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 
 

@@ -5,13 +5,16 @@ from __future__ import annotations
 import json
 import math
 import sys
-from collections.abc import Mapping
-from typing import Annotated, Any
+from collections.abc import Callable, Iterable, Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from spacecraft_gnc.cli._common import RunFailed, json_able
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.nodes._graph import GraphView
 
 TopicArgument = Annotated[str, typer.Argument(metavar="TOPIC", help="Name, e.g. attitude_state.")]
 CountOption = Annotated[int, typer.Option("--count", "-n", min=0, help="0: until Ctrl-C.")]
@@ -85,17 +88,8 @@ def hz(
     from spacecraft_gnc.nodes._rates import measure
 
     with GraphView(choose_domain(domain_id)) as view:
-        for number, rate in enumerate(measure(view, topic, window, timeout), start=1):
-            if as_json:
-                print_json_line({"topic": view.node.resolve_topic_name(topic), **rate._asdict()})
-            else:
-                print(
-                    f"{rate.hz:.1f} Hz ({rate.messages} messages, period "
-                    f"{rate.period_min * 1e3:.2f} to {rate.period_max * 1e3:.2f} ms)",
-                    flush=True,
-                )
-            if number == count:
-                return
+        rates = measure(view, topic, window, timeout)
+        _print_figures(view, topic, rates, _rate_text, count, as_json)
 
 
 def delay(
@@ -111,19 +105,39 @@ def delay(
     from spacecraft_gnc.nodes._rates import delays
 
     with GraphView(choose_domain(domain_id)) as view:
-        for number, found in enumerate(delays(view, topic, window, timeout), start=1):
-            if as_json:
-                print_json_line({"topic": view.node.resolve_topic_name(topic), **found._asdict()})
-            else:
-                print(_delay_text(found), flush=True)
-            if number == count:
-                return
+        found = delays(view, topic, window, timeout)
+        _print_figures(view, topic, found, _delay_text, count, as_json)
+
+
+def _print_figures(
+    view: GraphView,
+    topic: str,
+    figures: Iterable[Any],
+    text: Callable[[Any], str],
+    count: int,
+    as_json: bool,
+) -> None:
+    """Print one figure of a topic a line as they come, ``count`` of them (0: until they end)."""
+    for number, found in enumerate(figures, start=1):
+        if as_json:
+            print_json_line({"topic": view.node.resolve_topic_name(topic), **found._asdict()})
+        else:
+            print(text(found), flush=True)
+        if number == count:
+            return
 
 
 def print_json_line(values: Any) -> None:
     """Print one JSON value on a line of its own; NaN and infinity become null."""
     sys.stdout.write(json.dumps(json_able(values), allow_nan=False) + "\n")
     sys.stdout.flush()
+
+
+def _rate_text(rate: Any) -> str:
+    return (
+        f"{rate.hz:.1f} Hz ({rate.messages} messages, period "
+        f"{rate.period_min * 1e3:.2f} to {rate.period_max * 1e3:.2f} ms)"
+    )
 
 
 def _delay_text(delay: Any) -> str:

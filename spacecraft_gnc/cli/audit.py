@@ -97,8 +97,7 @@ def _print(found: Audit) -> None:
 def _row(check: Check) -> tuple[str, ...]:
     if not check.steps:
         return check.name, "-", "-", "-", check.verdict
-    worst = "-" if check.is_condition else f"{check.worst:.2g}"
-    return check.name, str(check.steps), worst, check.tolerance, check.verdict
+    return check.name, str(check.steps), check.worst_text, check.tolerance, check.verdict
 
 
 def _remark(check: Check) -> str:

@@ -13,11 +13,11 @@ from spacecraft_gnc.cli._common import (
     JsonOption,
     NamespaceOption,
     QuietOption,
+    UnfinishedOption,
     print_json,
     require_writable,
 )
 from spacecraft_gnc.cli._progress import show_progress
-from spacecraft_gnc.cli.plot import UnfinishedOption
 from spacecraft_gnc.errors import RecordingError
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from spacecraft_gnc.cli._common import (
     JsonOption,
     NamespaceOption,
     QuietOption,
+    UnfinishedOption,
     given_scenario,
     known_scenario,
     print_json,
@@ -82,9 +83,6 @@ ScaleOption = Annotated[
 TitleOption = Annotated[
     str | None,
     typer.Option("--title", help="Heading of the overview.  [default: name of the source]"),
-]
-UnfinishedOption = Annotated[
-    bool, typer.Option("--unfinished", help="Read what was saved of a bag that was cut off.")
 ]
 
 

@@ -7,7 +7,13 @@ from typing import Annotated, Any
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, NamespaceOption, QuietOption, SetOption
+from spacecraft_gnc.cli._common import (
+    JsonOption,
+    NamespaceOption,
+    QuietOption,
+    SetOption,
+    UnfinishedOption,
+)
 from spacecraft_gnc.cli._play import Playing, play
 from spacecraft_gnc.cli._resolve import Solving, solve_again
 from spacecraft_gnc.errors import ParameterError
@@ -32,9 +38,6 @@ StepsOption = Annotated[
 ColdOption = Annotated[bool, typer.Option("--cold", help="Forget the past before every step.")]
 OutOption = Annotated[
     Path | None, typer.Option("--out", "-o", metavar="FOLDER", help="Draw the comparison there.")
-]
-UnfinishedOption = Annotated[
-    bool, typer.Option("--unfinished", help="Read what was saved of a bag that was cut off.")
 ]
 
 

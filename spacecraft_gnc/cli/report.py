@@ -14,13 +14,14 @@ from spacecraft_gnc.cli._common import (
     JsonOption,
     NamespaceOption,
     QuietOption,
+    UnfinishedOption,
     given_scenario,
     known_scenario,
     print_json,
     require_writable,
 )
 from spacecraft_gnc.cli._progress import Progress, show_progress
-from spacecraft_gnc.cli.plot import ScenarioOption, UnfinishedOption
+from spacecraft_gnc.cli.plot import ScenarioOption
 
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.report import Run

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from spacecraft_gnc.cli._common import JsonOption, QuietOption, print_json
+from spacecraft_gnc.cli._common import JsonOption, QuietOption, UnfinishedOption, print_json
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain, find_domain
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
@@ -48,9 +48,6 @@ FoxgloveOption = Annotated[
 ]
 RateOption = Annotated[
     float, typer.Option("--rate", metavar="X", help="Simulated seconds per second, for a bag.")
-]
-UnfinishedOption = Annotated[
-    bool, typer.Option("--unfinished", help="Read what was saved of a bag that was cut off.")
 ]
 
 

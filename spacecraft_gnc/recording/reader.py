@@ -49,6 +49,11 @@ class Torques(NamedTuple):
     source: NDArray[np.int64]
 
 
+def is_npz(path: Path) -> bool:
+    """Tell whether a run is a file of ``gnc simulate``; a folder of such a name holds a bag."""
+    return path.suffix == NPZ_SUFFIX and not path.is_dir()
+
+
 def load_run(
     path: Path | str,
     *,
@@ -75,7 +80,7 @@ def load_run(
         If it is none of these, or damaged.
     """
     path = Path(path)
-    if path.suffix == NPZ_SUFFIX and not path.is_dir():
+    if is_npz(path):
         return Flight(Trajectory.load(path), RunInfo(path=path))
     return read_flight(
         path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress

@@ -73,6 +73,11 @@ class Check:
             return FAILED
         return PASSED if self.steps else NOT_APPLICABLE
 
+    @property
+    def worst_text(self) -> str:
+        """Largest deviation in two digits; ``-`` where nothing was measured."""
+        return "-" if self.is_condition or not self.steps else f"{self.worst:.2g}"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the line as a JSON-able mapping."""
         first = None if self.first is None else self.first._asdict()

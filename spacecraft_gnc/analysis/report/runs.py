@@ -11,6 +11,7 @@ import numpy as np
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
 from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
+from spacecraft_gnc.recording._metadata import LOSSES_RECORD
 from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
 from spacecraft_gnc.recording.steps import WALL_TIMING
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.recording.run_info import RunInfo
     from spacecraft_gnc.scenario import Scenario
-
-_LOSSES = "losses"  # metadata record: steps that the recorder missed, by topic
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +51,7 @@ class Run:
     def warnings(self) -> list[str]:
         """Return what a reader should know before trusting the curves, one line each."""
         lines = [line.removeprefix(f"{self.info.path}: ") for line in self.info.warnings()]
-        for topic, count in self.info.metadata.get(_LOSSES, {}).items():
+        for topic, count in self.info.metadata.get(LOSSES_RECORD, {}).items():
             # The plant sends the wall timing a few times a second only: its gaps are no losses.
             if count not in ("0", "") and not topic.endswith(WALL_TIMING):
                 lines.append(f"{topic}: steps lost by the recorder: {count}")
