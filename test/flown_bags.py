@@ -45,11 +45,13 @@ def fly(
     failing: Collection[int] = (),
     targets: Mapping[int, Any] | None = None,
     late: Collection[int] = (),
+    anew: Collection[int] = (),
 ) -> Path:
     """Fly a scenario and record it as the nodes would; return the bag.
 
     Solves of the steps ``failing`` are said not to have converged; from the steps of ``targets`` on
-    another attitude is asked for. At the steps ``late`` of a free run no command comes in time.
+    another attitude is asked for. At the steps ``late`` of a free run no command comes in time, and
+    before the steps ``anew`` the governor is started anew.
     """
     scenario = from_sections(flown)
     with BagWriter(folder / "bag") as bag:
@@ -69,8 +71,11 @@ def fly(
             recorder.state(k, loop.plant, applied, source)
             if k == loop.plant.n_steps:
                 break
+            if k in anew:
+                loop.governor.reset()
             if k in (targets or {}):
                 loop.governor.set_target(targets[k])
+                recorder.attitude("accepted_target", k, targets[k])
             if failing:
                 loop.controller.solver.step = k
             decision = loop.governor.decide(state)
@@ -137,15 +142,17 @@ class _Recorder:
         values = dict.fromkeys(wall, math.nan) | {"wall_elapsed": 0.1 * k} | counts
         self._write("wall_timing", "WallTiming", k, "", **values)
 
-    def decision(self, k: int, decision: Any) -> None:
-        attitude = decision.reference.attitude
+    def attitude(self, topic: str, k: int, attitude: Any) -> None:
         self._write(
-            "attitude_reference", "AttitudeReference", k, "inertial",
+            topic, "AttitudeReference", k, "inertial",
             attitude=attitude.ravel(),
             orientation=CODEC.quaternion(attitude),
             angular_velocity=CODEC.vector(np.zeros(3)),
             torque=CODEC.vector(np.zeros(3)),
         )  # fmt: skip
+
+    def decision(self, k: int, decision: Any) -> None:
+        self.attitude("attitude_reference", k, decision.reference.attitude)
         self._write(
             "governor_status", "GovernorStatus", k, "inertial",
             alpha=decision.alpha, admissible=decision.admissible, margin=decision.margin,
@@ -200,8 +207,16 @@ def messages_of(bag: Path) -> list[tuple[str, int, bytes]]:
         return [(channel.topic, message.log_time, message.data) for _, channel, message in found]
 
 
-def rewrite(bag: Path, folder: Path, messages: list[tuple[str, int, bytes]]) -> Path:
-    """Write the bag again with other messages: every checksum in it is right."""
+def rewrite(
+    bag: Path,
+    folder: Path,
+    messages: list[tuple[str, int, bytes]],
+    lost: Mapping[str, int] | None = None,
+) -> Path:
+    """Write the bag again with other messages: every checksum in it is right.
+
+    Of the topics ``lost`` so many messages are said to be missing.
+    """
     (file,) = bag.glob("*.mcap")
     with file.open("rb") as stream, BagWriter(folder) as writer:
         announce(writer)
@@ -211,4 +226,32 @@ def rewrite(bag: Path, folder: Path, messages: list[tuple[str, int, bytes]]) -> 
             writer.attach(item.name, item.media_type, item.data)
         for topic, stamp, data in messages:
             writer.write(topic, stamp, stamp, data)
+        for topic, count in (lost or {}).items():
+            writer.report_loss(topic, count)
     return folder
+
+
+def flipped(data, bit):
+    """Return the bytes with one bit, counted from the first byte on, changed."""
+    changed = bytearray(data)
+    changed[bit // 8] ^= 1 << bit % 8
+    return bytes(changed)
+
+
+def edited(name, **changes):
+    """Return a change of a message: fields with something added, or replaced by a function."""
+    full = f"spacecraft_gnc_msgs/msg/{name}"
+
+    def change(data):
+        message = CODEC.store.deserialize_cdr(data, full)
+        for key, value in changes.items():
+            old = getattr(message, key)
+            setattr(message, key, value(old) if callable(value) else old + value)
+        return bytes(CODEC.store.serialize_cdr(message, full))
+
+    return change
+
+
+def first_of(audit):
+    check, difference = audit.first
+    return check.name, difference.step, difference.field

@@ -82,12 +82,12 @@ def flight_makers(
     limit = series.torque_limit(trajectory, scenario)
     zones = scenario.controller.zones if scenario is not None else ()
     draw: dict[str, Draw] = {
-        "error": lambda axes: panels.attitude_error(axes, trajectory, scenario, scale=error_scale),
+        "error": lambda axes: panels.attitude_error(axes, trajectory, scale=error_scale),
         "momentum": lambda axes: panels.momentum(axes, trajectory),
         "torque": lambda axes: panels.torque_components(axes, trajectory),
         "norm": lambda axes: panels.torque_norm(axes, trajectory, limit),
         "sphere": lambda axes: panels.attitude_sphere(axes, trajectory, zones),
-        "alpha": lambda axes: panels.alpha(axes, trajectory, scenario),
+        "alpha": lambda axes: panels.alpha(axes, trajectory),
         "zones": lambda axes: panels.zone_margins(axes, trajectory, zones),
         "iterations": lambda axes: panels.iterations(axes, trajectory),
         "solve_time": lambda axes: panels.solve_time(axes, trajectory),

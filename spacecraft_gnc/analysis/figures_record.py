@@ -101,7 +101,7 @@ def comparison_makers(
         ``log`` or ``linear``, for the attitude error.
     """
     flights = {name: trajectory for name, (trajectory, _) in runs.items()}
-    errors = {name: series.settling_error_deg(*run) for name, run in runs.items()}
+    errors = {name: series.settling_error_deg(flight) for name, flight in flights.items()}
     momenta = [series.momenta(trajectory) for trajectory in flights.values()]
     unit = style.prefixed("N m s", *momenta)
     norms = {

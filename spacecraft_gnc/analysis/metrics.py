@@ -12,7 +12,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.neighboring import neighboring_metrics
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
@@ -64,8 +64,8 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         "missing_steps": int(np.count_nonzero(np.isnan(rows).any(axis=1))),
         "period": float(trajectory.period),
         "duration": _number(series.state_times(trajectory)[-1]),
-        **_attitude_metrics(trajectory, scenario),
-        **_governor_metrics(trajectory, scenario),
+        **_attitude_metrics(trajectory),
+        **_governor_metrics(trajectory),
         **_torque_metrics(trajectory, scenario),
         **_zone_metrics(trajectory, controller),
         **_solver_metrics(trajectory, controller),
@@ -95,9 +95,9 @@ def settle_time(times: Array, error: Array, threshold: float) -> float | None:
     return float(times[first]) if first < times.size else None
 
 
-def _attitude_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:
     times = series.state_times(trajectory)
-    error = series.settling_error_deg(trajectory, scenario)
+    error = series.settling_error_deg(trajectory)
     settled = {
         f"settle_time_{threshold:g}deg": settle_time(times, error, threshold)
         for threshold in SETTLE_THRESHOLDS_DEG
@@ -109,29 +109,29 @@ def _attitude_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict
     }
 
 
-def _governor_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
-    aim = series.target(trajectory, scenario)
+def _governor_metrics(trajectory: Trajectory) -> dict[str, Any]:
+    aims = series.targets(trajectory)
     margins = trajectory.governor_margin[np.isfinite(trajectory.governor_margin)]
     return {
-        "error_to": "reference" if aim is None else "target",
-        "alpha_one_time": None if aim is None else _alpha_one_time(trajectory, aim),
-        "final_reference_error_deg": None if aim is None else _off_target(trajectory, aim),
+        "error_to": "reference" if aims is None else "target",
+        "alpha_one_time": None if aims is None else _alpha_one_time(trajectory, aims),
+        "final_reference_error_deg": None if aims is None else _off_target(trajectory, aims),
         "inadmissible_steps": int(np.count_nonzero(margins < 0.0)),
         "min_governor_margin": float(margins.min()) if margins.size else None,
     }
 
 
-def _off_target(trajectory: Trajectory, target: Matrix3) -> float | None:
-    """Return the angle from the last reference to the target [deg]."""
+def _off_target(trajectory: Trajectory, targets: Array) -> float | None:
+    """Return the angle from the last reference to the last target [deg]."""
     last = trajectory.final_reference
     if not np.isfinite(last).all():
         return None
-    return math.degrees(lie.angle_between(last, target))
+    return math.degrees(lie.angle_between(last, targets[-1]))
 
 
-def _alpha_one_time(trajectory: Trajectory, target: Matrix3) -> float | None:
+def _alpha_one_time(trajectory: Trajectory, targets: Array) -> float | None:
     """Return the time from which on the reference is the target, and alpha 1 [s]."""
-    off = np.abs(trajectory.reference - target).max(axis=(1, 2))
+    off = np.abs(trajectory.reference - targets[:-1]).max(axis=(1, 2))
     there = (trajectory.alpha == 1.0) & (off < _SAME_ATTITUDE)
     recorded = np.isfinite(trajectory.alpha) & np.isfinite(off)
     away = np.where(recorded, np.where(there, 0.0, 1.0), math.nan)

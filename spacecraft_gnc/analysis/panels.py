@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from spacecraft_gnc.loop.trajectory import Trajectory
-    from spacecraft_gnc.scenario import Scenario
     from spacecraft_gnc.scenario.schema import ZoneParameters
 
 TIME_LABEL: Final = "time [s]"
@@ -27,13 +26,7 @@ _COMPONENTS = "xyz"
 _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale hides the median
 
 
-def attitude_error(
-    axes: Axes,
-    trajectory: Trajectory,
-    scenario: Scenario | None = None,
-    *,
-    scale: str = "log",
-) -> None:
+def attitude_error(axes: Axes, trajectory: Trajectory, *, scale: str = "log") -> None:
     """Draw the angle from reference to attitude, and when it settles below each threshold.
 
     Where a governor shapes the reference, what settles is the angle to the target; that to the
@@ -41,14 +34,12 @@ def attitude_error(
 
     Parameters
     ----------
-    scenario
-        Gives the target of a governed flight that has not arrived.
     scale
         ``log`` or ``linear``.
     """
     times = series.state_times(trajectory)
-    error = series.settling_error_deg(trajectory, scenario)
-    governed = series.target(trajectory, scenario) is not None
+    error = series.settling_error_deg(trajectory)
+    governed = series.targets(trajectory) is not None
     axes.plot(times, error, color=style.INK, linewidth=1.5, label="to the target")
     if governed:
         beside = series.attitude_error_deg(trajectory)
@@ -143,7 +134,7 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
     legend(axes, 2)
 
 
-def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) -> None:
+def alpha(axes: Axes, trajectory: Trajectory) -> None:
     """Draw the share of the way that the governor allowed, and the way that is left."""
     times, colour = series.state_times(trajectory), style.AXIS_COLOURS[0]
     # Dots: alpha may be 0 at every other step, which a line would fill in.
@@ -151,10 +142,10 @@ def alpha(axes: Axes, trajectory: Trajectory, scenario: Scenario | None = None) 
     axes.set(title="Reference governor", xlabel=TIME_LABEL, ylabel="share of the way [-]")
     axes.set_xlim(times[0], times[-1])
     axes.set_ylim(-0.03, 1.03)
-    target = series.target(trajectory, scenario)
-    if target is None:
+    targets = series.targets(trajectory)
+    if targets is None:
         return
-    left = np.degrees(lie.angles_between(*np.broadcast_arrays(target, trajectory.reference)))
+    left = np.degrees(lie.angles_between(targets[:-1], trajectory.reference))
     whole = float(np.nanmax(left, initial=0.0))
     if whole > 0.0:
         label = f"way left, of {whole:.3g}°"

@@ -100,7 +100,7 @@ def resolve(
             controller.reset()
         state, decision = _recorded(flight, int(k))
         command = controller.command(state, decision.reference)
-        log.add(i, state, decision, command)
+        log.add(i, state, flight.target[k], decision, command)
         costs[i] = price(command.solution, state)
         if progress is not None:
             progress(i + 1, len(chosen))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
@@ -56,38 +56,25 @@ def is_governed(trajectory: Trajectory) -> bool:
     return bool(predicted or (trajectory.alpha < 1.0).any())
 
 
-def target(trajectory: Trajectory, scenario: Scenario | None = None) -> Matrix3 | None:
-    """Return the attitude (3, 3) that a governed flight was finally meant for.
+def targets(trajectory: Trajectory) -> Array | None:
+    """Return (n + 1, 3, 3) attitudes that a governed flight was meant for, body to inertial.
 
-    A target commanded in flight is not recorded beside the decisions. It shows as a last reference
-    that stays with alpha = 1: only a target does, for an intermediate reference is left at once.
-    Otherwise the target is the scenario's. None where no governor flew, or neither is known.
+    None where no governor shaped the reference, or what it was asked for is not known.
     """
-    if not is_governed(trajectory):
+    if not is_governed(trajectory) or not np.isfinite(trajectory.target).all():
         return None
-    last = trajectory.reference[-2:]
-    if len(last) == 2 and (trajectory.alpha[-2:] == 1.0).all() and np.array_equal(*last):
-        return np.asarray(last[-1])
-    if scenario is None:
-        return None
-    return lie.exp(scenario.governor.target_rotation_vector)
+    return np.concatenate([trajectory.target, trajectory.target[-1:]])
 
 
-def target_error_deg(trajectory: Trajectory, target: Matrix3) -> Array:
-    """Return (n + 1,) angles from a target attitude (3, 3) to the attitude [deg]."""
-    reached = attitudes(trajectory)
-    return np.degrees(lie.angles_between(np.broadcast_to(target, reached.shape), reached))
-
-
-def settling_error_deg(trajectory: Trajectory, scenario: Scenario | None = None) -> Array:
+def settling_error_deg(trajectory: Trajectory) -> Array:
     """Return (n + 1,) angles [deg] by which a flight is judged.
 
-    To the target where a governor moves the reference there, else to the reference.
+    To the target of each step where a governor moves the reference there, else to the reference.
     """
-    aim = target(trajectory, scenario)
-    if aim is None:
+    aims = targets(trajectory)
+    if aims is None:
         return attitude_error_deg(trajectory)
-    return target_error_deg(trajectory, aim)
+    return np.degrees(lie.angles_between(aims, attitudes(trajectory)))
 
 
 def torque_limit(trajectory: Trajectory, scenario: Scenario | None) -> float:

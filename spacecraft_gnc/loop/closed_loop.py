@@ -18,6 +18,7 @@ from spacecraft_gnc.loop.protocols import (
     State,
 )
 from spacecraft_gnc.loop.trajectory import Trajectory
+from spacecraft_gnc.types import Matrix3
 
 Progress = Callable[[int, int], None]
 """Called with (step, n_steps) after every step."""
@@ -69,7 +70,7 @@ class ClosedLoop:
             decision = self.governor.decide(state)
             reference = decision.reference
             command = self.controller.command(state, reference)
-            log.add(k, state, decision, command)
+            log.add(k, state, self.governor.target, decision, command)
             state = self.plant.step(command.torque)
             if progress is not None:
                 progress(k + 1, self.plant.n_steps)
@@ -83,17 +84,20 @@ class FlightLog:
 
     def __init__(self, n: int, period: float) -> None:
         self.period = period
-        self.attitude, self.reference = np.empty((n, 3, 3)), np.empty((n, 3, 3))
+        self.attitude, self.reference, self.target = (np.empty((n, 3, 3)) for _ in range(3))
         self.momentum, self.torque = np.empty((n, 3)), np.empty((n, 3))
         self.residual, self.cost, self.solve_time = (np.full(n, math.nan) for _ in range(3))
         self.alpha, self.margin = np.empty(n), np.empty(n)
         self.iterations, self.status = np.zeros(n, np.int64), np.full(n, -1, np.int64)
         self.source = np.zeros(n, np.int64)
 
-    def add(self, k: int, state: State, decision: GovernorDecision, command: Command) -> None:
+    def add(
+        self, k: int, state: State, target: Matrix3, decision: GovernorDecision, command: Command
+    ) -> None:
         """Store control step k."""
         self.attitude[k], self.momentum[k] = state.attitude, state.momentum
-        self.reference[k], self.torque[k] = decision.reference.attitude, command.torque
+        self.target[k], self.reference[k] = target, decision.reference.attitude
+        self.torque[k] = command.torque
         self.alpha[k], self.margin[k] = decision.alpha, decision.margin
         self.source[k] = command.source
         solution, status = command.solution, command.status
@@ -112,6 +116,7 @@ class FlightLog:
             momentum=self.momentum,
             torque=self.torque,
             reference=self.reference,
+            target=self.target,
             iterations=self.iterations,
             residual=self.residual,
             cost=self.cost,

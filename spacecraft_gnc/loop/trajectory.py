@@ -32,6 +32,8 @@ class Trajectory:
         Body torque held over the step [N m].
     reference : (n, 3, 3) array
         Attitude tracked, body to inertial.
+    target : (n, 3, 3) array
+        Attitude that the governor is asked for, body to inertial; NaN where it is not known.
     iterations, status, source : (n,) arrays of int
         Of the solve behind the torque: iterations, 0 without a solve; `Command.status` as a number
         of `ocp.Status`, -1 without a solve; `loop.Source`.
@@ -51,6 +53,7 @@ class Trajectory:
     momentum: Array
     torque: Array
     reference: Array
+    target: Array
     iterations: NDArray[np.int64]
     residual: Array
     cost: Array

@@ -29,11 +29,11 @@ from spacecraft_gnc.nodes._graph import GraphView
 from spacecraft_gnc.nodes._inboxes import Inbox, Rates
 from spacecraft_gnc.nodes._setup_reader import SetupReader
 from spacecraft_gnc.nodes._topics import (
+    ACCEPTED_TARGET,
     GOVERNOR_STATUS,
     REFERENCE,
     SOLVER_STATUS,
     STATE,
-    TARGET,
     TORQUE,
     WALL_TIMING,
 )
@@ -44,7 +44,9 @@ _STALE: Final = 2.0  # [s] wall without a state, at least; a slow flight has its
 _STALE_PERIODS: Final = 3.0
 _LOOK: Final = 0.5  # [s] wall between two looks at who publishes
 _MOST_SAMPLES: Final = 60  # of one picture: a fast flight is drawn coarser
-_TOPICS: Final = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, WALL_TIMING, TARGET)
+_TOPICS: Final = (
+    STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, WALL_TIMING, ACCEPTED_TARGET,
+)  # fmt: skip
 
 
 class LiveSource:
@@ -85,18 +87,19 @@ class LiveSource:
         self._look_at, self._publishers = -math.inf, 0
         self._step = self._sampled = -1
         self._arrived = self._interval = 0.0
-        self._adopted: Matrix3 | None = None
+        self._targets: dict[int, Matrix3] = {}
 
     def _listen(self, topic: Any, prefix: str) -> None:
         inbox = self._inboxes[topic.name]
-        is_state = topic is STATE
+        notes = {STATE.name: self._note_step, ACCEPTED_TARGET.name: self._note_target}
+        note = notes.get(topic.name)
 
         def take(data: bytes) -> None:
             step = step_of(data)
             if step is None:
                 return
-            if is_state:
-                self._note_step(step)
+            if note is not None:
+                note(step, data)
             inbox.put(step, data)
 
         name = f"{prefix}{topic.name}"
@@ -131,7 +134,7 @@ class LiveSource:
 
     # What arrives.
 
-    def _note_step(self, step: int) -> None:
+    def _note_step(self, step: int, _: bytes) -> None:
         now = self._clock()
         if step < self._step:  # another flight begins
             self._forget()
@@ -140,13 +143,23 @@ class LiveSource:
         if step != self._step:
             self._step, self._arrived = step, now
 
+    def _note_target(self, step: int, data: bytes) -> None:
+        target = _attitude(data)
+        if target is not None:
+            self._targets[step] = target
+
+    def _target(self, step: int) -> Matrix3 | None:
+        """Return the target taken in flight that counts at a step; None: the scenario's does."""
+        taken = max((known for known in self._targets if known <= step), default=None)
+        return None if taken is None else self._targets[taken]
+
     def _forget(self) -> None:
         for inbox in self._inboxes.values():
             inbox.messages.clear()
         self.history.clear()
         self._step = self._sampled = -1
         self._arrived = self._interval = 0.0
-        self._adopted = None
+        self._targets.clear()
         self._reader.restart()
 
     def _read_setup(self) -> None:
@@ -195,22 +208,20 @@ class LiveSource:
             stamp, state, _ = convert.decode_state(self._message(STATE.name, step), 0)
         except convert.Refused as refusal:
             return Picture(phase=phase, note=f"a state was refused: {refusal}", step=step)
-        reference = self._reference(REFERENCE.name, step)
         torque = self._torque(step)
-        decision = self._decision(step, reference)
         return Picture(
             phase=phase,
             note=note,
             step=step,
             time=stamp[0] + 1e-9 * stamp[1],
             attitude=state.attitude,
-            reference=reference,
-            target=self._adopted,
+            reference=_attitude(self._message(REFERENCE.name, step)),
+            target=self._target(step),
             momentum=state.momentum,
             torque=None if torque is None else torque.torque,
             source=-1 if torque is None else int(torque.source),
             solve=None if now is None else self._solve(),
-            decision=decision,
+            decision=self._decision(step),
             timing=None if now is None else self._timing(),
             rates={} if now is None else self._rates.at(now),
         )
@@ -219,13 +230,6 @@ class LiveSource:
         """Return the message of a step, or else the last one."""
         inbox = self._inboxes[topic]
         return inbox.messages.get(step, inbox.last)
-
-    def _reference(self, topic: str, step: int) -> Matrix3 | None:
-        data = self._message(topic, step)
-        try:
-            return convert.decode_reference(data)[1].attitude if data else None
-        except convert.Refused:
-            return None
 
     def _torque(self, step: int) -> convert.Torque | None:
         data = self._message(TORQUE.name, step)
@@ -248,15 +252,11 @@ class LiveSource:
             solve_time=m.wall_solve_time,
         )
 
-    def _decision(self, step: int, reference: Matrix3 | None) -> Decision | None:
+    def _decision(self, step: int) -> Decision | None:
         data = self._message(GOVERNOR_STATUS.name, step)
         if not data:
             return None
         m = deserialize_message(data, GovernorStatus)
-        if m.alpha == 1.0 and m.waypoints == 0:  # the whole way is allowed: this is the target
-            self._adopted = reference
-        elif self._inboxes[TARGET.name].last:
-            self._adopted = self._reference(TARGET.name, step)
         return Decision(
             alpha=m.alpha,
             margin=m.margin,
@@ -278,6 +278,14 @@ class LiveSource:
             held=m.held_commands,
             rejected=m.rejected_messages,
         )
+
+
+def _attitude(data: bytes) -> Matrix3 | None:
+    """Return the attitude (3, 3) of an AttitudeReference; None: it is absent, or a bad one."""
+    try:
+        return convert.decode_reference(data)[1].attitude if data else None
+    except convert.Refused:
+        return None
 
 
 def _title(domain_id: int) -> str:

@@ -101,6 +101,8 @@ class Topic(NamedTuple):
 STATE: Final = Topic("attitude_state", AttitudeState, (PLANT,), (CONTROLLER, GOVERNOR))
 REFERENCE: Final = Topic("attitude_reference", AttitudeReference, (GOVERNOR,), (CONTROLLER,))
 TARGET: Final = Topic("target_attitude", AttitudeReference, (), (GOVERNOR,), COMMAND)
+ACCEPTED_TARGET: Final = Topic("accepted_target", AttitudeReference, (GOVERNOR,), (), latched(10))
+"""A target that the governor took in flight, and the step from which on it counts."""
 TORQUE: Final = Topic("torque_command", TorqueCommand, (CONTROLLER,), (PLANT,))
 SOLVER_STATUS: Final = Topic("solver_status", SolverStatus, (CONTROLLER,), ())
 GOVERNOR_STATUS: Final = Topic("governor_status", GovernorStatus, (GOVERNOR,), ())
@@ -123,6 +125,7 @@ TOPICS: Final = (
     STATE,
     REFERENCE,
     TARGET,
+    ACCEPTED_TARGET,
     TORQUE,
     SOLVER_STATUS,
     GOVERNOR_STATUS,

@@ -29,7 +29,6 @@ from spacecraft_gnc.nodes._topics import (
     RECORDER_STRIDE,
     STATE,
     TOPICS,
-    WALL_TIMING,
     Topic,
     foreign,
 )
@@ -42,6 +41,7 @@ from spacecraft_gnc.recording.provenance import (
     run_record,
 )
 from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT
+from spacecraft_gnc.recording.steps import SPARSE
 from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
 from spacecraft_gnc.scenario import Scenario
 
@@ -145,8 +145,8 @@ class RecorderNode(GncNode):
     def _is_gapless(self, topic: Topic) -> bool:
         """Tell whether a topic is published at every step, so that a gap means a loss."""
         free_run = self.scenario.plant.mode == "free_run"
-        # In free_run a late answer is no loss; timing is reported by wall time in lockstep.
-        return topic is not WALL_TIMING and (not free_run or PLANT in topic.publishers)
+        # In free_run a late answer is no loss.
+        return topic.name not in SPARSE and (not free_run or PLANT in topic.publishers)
 
     # The hot path: once for every message.
 

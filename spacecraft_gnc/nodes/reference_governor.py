@@ -7,22 +7,31 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import GncError, LaunchError
-from spacecraft_gnc.loop.protocols import GovernorDecision, State
+from spacecraft_gnc.loop.protocols import GovernorDecision, Reference, State
 from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._governor_watch import GovernorWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._slew_server import Answer, SlewServer
 from spacecraft_gnc.nodes._status import GovernorStatusEncoder
-from spacecraft_gnc.nodes._topics import GOVERNOR, GOVERNOR_STATUS, REFERENCE, STATE, TARGET
+from spacecraft_gnc.nodes._topics import (
+    ACCEPTED_TARGET,
+    GOVERNOR,
+    GOVERNOR_STATUS,
+    REFERENCE,
+    STATE,
+    TARGET,
+)
 from spacecraft_gnc.nodes._worker import Worker
 from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.types import Matrix3, Vector3
+from spacecraft_gnc.types import Matrix3, Vector3, read_only
 
 _NEVER = -1
+_STILL = read_only(np.zeros(3))
 _ACTIVATE = "required an active one; try again later"
 
 
@@ -42,13 +51,24 @@ class _Job(NamedTuple):
     deliver: Callable[[Any], None]
 
 
+class _Decided(NamedTuple):
+    """What the governor answers to a state."""
+
+    decision: GovernorDecision
+    target: Matrix3
+    """Its target."""
+    taken: Matrix3 | None
+    """Target to announce: one that it took since the step before; None: none."""
+
+
 class GovernorNode(GncNode):
     """Publishes reference k on state k; takes targets by topic and by the SlewTo action.
 
     A slow governor decides in a thread of its own, and the node stays responsive meanwhile. States
     and targets are put to it in the order in which they came: a target that comes during a decision
     counts from the next one. Of the states that come during a decision the last is answered next; a
-    step passed over is counted.
+    step passed over is counted. With the first decision that a target counts for it is published,
+    so that whoever has the states and these targets can repeat the decisions.
     """
 
     ROLE: ClassVar[str] = GOVERNOR
@@ -58,6 +78,7 @@ class GovernorNode(GncNode):
         self._governor = scenario.build_governor()
         self._governor.warm_up()
         self._worker: Worker[_Job, Any] | None = None
+        self._has_announced = False
         self._status = GovernorStatusEncoder()
         parameters = scenario.governor
         self._tolerances = (
@@ -71,6 +92,7 @@ class GovernorNode(GncNode):
         """Create the endpoints."""
         self._publish_reference = self.advertise(REFERENCE).publish
         self._publish_status = self.advertise(GOVERNOR_STATUS).publish
+        self._publish_target = self.advertise(ACCEPTED_TARGET).publish
         self.listen(STATE, self._on_state)
         self.listen(TARGET, self._on_target)
         self._slews = SlewServer(self, self._set_target, *self._tolerances)
@@ -84,6 +106,8 @@ class GovernorNode(GncNode):
         self._watch.reset()
         self._step = self._received_step = _NEVER
         self._waiting: _Received | None = None
+        self._taken: Matrix3 | None = None
+        self._is_first = True
         self._deciding = False
         self._skipped = 0
         self._state_bytes = self._reference_bytes = b""
@@ -155,6 +179,7 @@ class GovernorNode(GncNode):
             self._governor.set_target(target)
         except GncError as error:
             return error
+        self._taken = target
         return None
 
     def _decide_next(self) -> None:
@@ -167,8 +192,13 @@ class GovernorNode(GncNode):
         self._waiting, self._deciding = None, True
         self._ask(_Job(partial(self._decide, received.state), partial(self._publish, received)))
 
-    def _decide(self, state: State) -> tuple[GovernorDecision, Matrix3]:
-        return self._governor.decide(state), self._governor.target
+    def _decide(self, state: State) -> _Decided:
+        taken, self._taken = self._taken, None
+        if taken is None and self._is_first and (state.step > 0 or self._has_announced):
+            taken = self._governor.target  # started anew: what was announced counts no more
+        self._is_first = False
+        self._has_announced |= taken is not None
+        return _Decided(self._governor.decide(state), self._governor.target, taken)
 
     def _ask(self, job: _Job) -> None:
         if self._worker is None:
@@ -178,10 +208,13 @@ class GovernorNode(GncNode):
 
     # What goes out.
 
-    def _publish(self, received: _Received, decided: tuple[GovernorDecision, Matrix3]) -> None:
+    def _publish(self, received: _Received, decided: _Decided) -> None:
         self._deciding = False
         stamp, state, rate = received
-        decision, target = decided
+        decision, target, taken = decided
+        if taken is not None:
+            accepted = Reference(taken, _STILL, _STILL)
+            self._publish_target(convert.encode_reference(stamp, state.step, accepted))
         data = convert.encode_reference(stamp, state.step, decision.reference)
         if self._waiting is None:  # else it is not the answer to the last state
             self._reference_bytes = data

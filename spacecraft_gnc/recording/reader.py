@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording._scan import Progress
@@ -17,6 +18,7 @@ from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
 from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, RunInfo, parse_scenario
 from spacecraft_gnc.recording.steps import (
+    ACCEPTED_TARGET,
     GOVERNOR_STATUS,
     INVARIANTS,
     REFERENCE,
@@ -24,11 +26,14 @@ from spacecraft_gnc.recording.steps import (
     STATE,
     TORQUE,
 )
+from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Array
 
 NPZ_SUFFIX: Final = ".npz"
 _NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
-_TOPICS: Final = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS)
+_TOPICS: Final = (
+    STATE, REFERENCE, ACCEPTED_TARGET, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS,
+)  # fmt: skip
 _PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
 _MOST_LOST: Final = 1000  # a damaged step number must not make arrays of any size
 _GRID_TOLERANCE: Final = 1e-6  # [s] stamps are whole nanoseconds, the grid is k times the period
@@ -135,7 +140,8 @@ def read_flight(
             metadata=bag.metadata(),
         )
     period = scenario.period if scenario is not None else _period(columns[STATE])
-    return Flight(_trajectory(n, columns, torques, period), info)
+    targets = _targets(n, columns[ACCEPTED_TARGET], scenario)
+    return Flight(_trajectory(n, columns, torques, targets, period), info)
 
 
 def acted(columns: Mapping[str, Columns]) -> Torques:
@@ -220,8 +226,18 @@ def _period(states: Columns) -> float:
     return round(float(end - start) / int(last - first), 9)
 
 
+def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
+    """Return (n, 3, 3) targets: the scenario's, then those that the governor took in flight."""
+    targets = np.full((n, 3, 3), math.nan)
+    if scenario is not None:
+        targets[:] = lie.exp(scenario.governor.target_rotation_vector)
+    for i, step in enumerate(taken.steps.tolist()):
+        targets[step:] = taken.fields["attitude"][i].reshape(3, 3)
+    return targets
+
+
 def _trajectory(
-    n: int, columns: Mapping[str, Columns], torques: Torques, period: float
+    n: int, columns: Mapping[str, Columns], torques: Torques, targets: Array, period: float
 ) -> Trajectory:
     states, references, solves, decisions = (
         columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
@@ -239,6 +255,7 @@ def _trajectory(
         momentum=_filled(n, states, "angular_momentum", (3,)),
         torque=_placed(n, torques.steps, torques.torque),
         reference=reference,
+        target=targets,
         iterations=_integers(n, 0, solves.steps, solves.fields.get("iterations")),
         residual=_filled(n, solves, "residual"),
         cost=_filled(n, solves, "cost"),

@@ -37,7 +37,7 @@ from spacecraft_gnc.recording.bag import (
 )
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
-from spacecraft_gnc.recording.steps import WALL_TIMING
+from spacecraft_gnc.recording.steps import SPARSE
 
 _REPORT_EVERY: Final = 1000  # messages between two reports of the progress
 
@@ -213,7 +213,7 @@ class _Rebuild:
         schema = self._schemas.get(channel.schema_id)
         text = schema.data.decode(errors="replace") if schema is not None else ""
         # Timing is reported by wall time in lockstep; a bag of an older version does not say so.
-        assumed = str(channel.topic.rpartition("/")[2] != WALL_TIMING).lower()
+        assumed = str(channel.topic.rpartition("/")[2] not in SPARSE).lower()
         return self._topics.setdefault(
             channel.topic,
             Topic(

@@ -11,6 +11,7 @@ from spacecraft_gnc.recording.bag import Bag
 PACKAGE: Final = "spacecraft_gnc_msgs"
 STATE: Final = "attitude_state"
 REFERENCE: Final = "attitude_reference"
+ACCEPTED_TARGET: Final = "accepted_target"
 TORQUE: Final = "torque_command"
 SOLVER_STATUS: Final = "solver_status"
 GOVERNOR_STATUS: Final = "governor_status"
@@ -19,6 +20,7 @@ WALL_TIMING: Final = "wall_timing"
 TYPES: Final[Mapping[str, str]] = {
     STATE: f"{PACKAGE}/msg/AttitudeState",
     REFERENCE: f"{PACKAGE}/msg/AttitudeReference",
+    ACCEPTED_TARGET: f"{PACKAGE}/msg/AttitudeReference",
     TORQUE: f"{PACKAGE}/msg/TorqueCommand",
     SOLVER_STATUS: f"{PACKAGE}/msg/SolverStatus",
     GOVERNOR_STATUS: f"{PACKAGE}/msg/GovernorStatus",
@@ -26,6 +28,10 @@ TYPES: Final[Mapping[str, str]] = {
     WALL_TIMING: f"{PACKAGE}/msg/WallTiming",
 }
 """Type of each topic of a flight, by the last part of its name."""
+TARGET: Final = "target_attitude"
+"""Of users; what it says counts where the governor takes it."""
+SPARSE: Final = (TARGET, ACCEPTED_TARGET, WALL_TIMING)
+"""Topics without a message at most steps, so that a gap in their steps is no loss."""
 UNIQUE: Final = (STATE, INVARIANTS)
 """Topics of the plant: two messages of one step differ only if two runs are in the bag."""
 TYPE_HASHES: Final[Mapping[str, str]] = {

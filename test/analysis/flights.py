@@ -23,6 +23,7 @@ def trajectory(attitude, momentum, torque, **replaced):
         "momentum": momentum[:-1],
         "torque": torque,
         "reference": np.tile(np.eye(3), (n, 1, 1)),
+        "target": np.tile(np.eye(3), (n, 1, 1)),
         "iterations": np.full(n, 2),
         "residual": np.full(n, 1e-13),
         "cost": np.full(n, 0.01),

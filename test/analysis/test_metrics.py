@@ -149,14 +149,13 @@ def governed(references, alpha, **replaced):
 
 def test_a_governed_flight_is_judged_by_its_target():
     flight = governed([8.0, 4.0, 2.0, 0.5, 0.0, 0.0], [0.5, 0.5, 0.75, 0.75, 1.0, 1.0])
-    for known in (scenario(), None):  # a target that was reached needs no scenario
-        metrics = summarize(flight, known)
-        assert metrics["error_to"] == "target"
-        assert metrics["final_error_deg"] == pytest.approx(0.0, abs=1e-9)
-        assert metrics["settle_time_5deg"] == pytest.approx(2 * PERIOD)
-        assert metrics["settle_time_1deg"] == pytest.approx(4 * PERIOD)
-        assert metrics["alpha_one_time"] == pytest.approx(4 * PERIOD)
-        assert metrics["min_governor_margin"] == pytest.approx(0.01)
+    metrics = summarize(flight, scenario())
+    assert metrics["error_to"] == "target"
+    assert metrics["final_error_deg"] == pytest.approx(0.0, abs=1e-9)
+    assert metrics["settle_time_5deg"] == pytest.approx(2 * PERIOD)
+    assert metrics["settle_time_1deg"] == pytest.approx(4 * PERIOD)
+    assert metrics["alpha_one_time"] == pytest.approx(4 * PERIOD)
+    assert metrics["min_governor_margin"] == pytest.approx(0.01)
 
 
 def test_a_reference_on_its_way_is_no_target():
@@ -166,7 +165,7 @@ def test_a_reference_on_its_way_is_no_target():
     assert metrics["final_error_deg"] == pytest.approx(2.0)
     assert metrics["settle_time_5deg"] == pytest.approx(2 * PERIOD)
     assert metrics["final_reference_error_deg"] == pytest.approx(2.0)
-    unknown = summarize(flight)  # the target, without the scenario
+    unknown = summarize(replace(flight, target=np.full((4, 3, 3), np.nan)))
     assert unknown["final_reference_error_deg"] is None
     assert (unknown["error_to"], unknown["alpha_one_time"]) == ("reference", None)
     assert unknown["min_governor_margin"] == pytest.approx(0.01)
@@ -179,11 +178,16 @@ def test_steps_at_which_not_even_the_held_reference_is_admissible_are_counted():
     assert summarize(at_rest(), scenario())["inadmissible_steps"] == 0
 
 
-def test_a_target_commanded_in_flight_is_seen_once_it_is_reached():
-    flight = governed([8.0, 4.0, 0.0, 10.0, 30.0, 30.0], [0.5, 0.5, 1.0, 0.5, 1.0, 1.0])
+def test_each_step_is_judged_by_the_target_of_its_time():
+    target = np.array([about_z(degrees) for degrees in (0.0, 0.0, 0.0, 30.0, 30.0, 30.0)])
+    flown = [8.0, 4.0, 0.0, 10.0, 30.0, 30.0], [0.5, 0.5, 1.0, 0.5, 1.0, 1.0]
+    flight = governed(*flown, target=target)
+    error = series.settling_error_deg(flight)  # the attitude follows a step later
+    np.testing.assert_allclose(error, [8.0, 8.0, 4.0, 30.0, 20.0, 0.0, 0.0], atol=1e-6)
     metrics = summarize(flight, scenario())
-    assert metrics["final_error_deg"] == pytest.approx(0.0, abs=1e-6)
+    assert metrics["settle_time_5deg"] == pytest.approx(5 * PERIOD)
     assert metrics["alpha_one_time"] == pytest.approx(4 * PERIOD)
+    assert metrics["final_reference_error_deg"] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_flight_without_a_governor_has_no_governor_metrics():

@@ -21,6 +21,7 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc_msgs.msg import GovernorStatus
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.audit.run import audit_bag
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted
 from spacecraft_gnc.loop.protocols import Reference
@@ -150,3 +151,9 @@ def test_targets_in_flight(graph: Any, at: Any) -> None:
     flown = read_flight(out / "bag").trajectory
     assert np.nanmax(np.linalg.norm(flown.torque, axis=1)) <= LIMIT * (1.0 + 1e-9)
     assert lie.angle_between(flown.reference[-1], about_x(-20.0)) < 1e-9
+    assert lie.angle_between(flown.target[-1], about_x(-20.0)) < 1e-9
+    audit = audit_bag(out / "bag", allow_unfinished=True)
+    assert audit.passed, audit.first
+    (decisions,) = (c for c in audit.checks if c.name == "decision of the governor")
+    assert decisions.steps >= flown.n_steps
+    assert decisions.note.endswith("targets taken in flight")

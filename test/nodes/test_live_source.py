@@ -20,6 +20,7 @@ from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._live_source import LiveSource
 from spacecraft_gnc.nodes._status import GovernorStatusEncoder, SolverStatusEncoder
 from spacecraft_gnc.nodes._topics import (
+    ACCEPTED_TARGET,
     GOVERNOR_STATUS,
     REFERENCE,
     SOLVER_STATUS,
@@ -192,12 +193,24 @@ def test_another_flight_begins_with_an_empty_past(stage: Stage) -> None:
     assert len(stage.source.history) == 1
 
 
-def test_the_target_is_where_the_governor_lets_all_of_the_way(stage: Stage) -> None:
+def test_each_step_has_the_target_that_the_governor_took_last(stage: Stage) -> None:
     stage.take_off()
-    stage.fly(0, alpha=0.5)
+    publisher = stage.flyer.create_publisher(
+        ACCEPTED_TARGET.type, ACCEPTED_TARGET.name, ACCEPTED_TARGET.qos
+    )
+    stage.fly(0)
     assert stage.source.picture().target is None
-    stage.fly(1, alpha=1.0)
-    assert stage.source.picture().target == pytest.approx(turn(0.5))
+    for step, angle in ((1, 0.5), (3, 0.7)):
+        stamp = convert.stamp_of(step, PERIOD_NS)
+        reference = Reference(turn(angle), ZERO, ZERO)
+        publisher.publish(convert.encode_reference(stamp, step, reference))
+    stage.ros.spin_until(lambda: len(stage.source._targets) == 2)
+    for step in range(1, 5):
+        stage.fly(step)
+    assert stage.source.picture().target == pytest.approx(turn(0.7))
+    errors = [row[COLUMNS.index("target_error_deg")] for row in stage.source.history.since(0)]
+    away = [math.degrees(abs(angle)) for angle in (0.4, 0.3, 0.4)]
+    assert errors[1:] == pytest.approx(away, abs=1e-3)  # of step 0 the scenario's, not known here
 
 
 def test_a_broken_message_is_no_end(stage: Stage) -> None:

@@ -16,10 +16,11 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rosbags.highlevel import AnyReader
+from spacecraft_gnc_msgs.msg import AttitudeReference
 from std_msgs.msg import String
 
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.nodes._topics import RECORD, STATE, foreign
+from spacecraft_gnc.nodes._topics import ACCEPTED_TARGET, RECORD, STATE, TARGET, foreign
 from spacecraft_gnc.nodes.recorder import RecorderNode
 from spacecraft_gnc.recording.bag import open_bag
 
@@ -211,3 +212,19 @@ def test_losses_are_counted_shouted_and_kept(ros: Any, recorder: Any, sender: No
         assert sum(1 for _ in opened.messages(["/words"])) == saved
     told = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert told["custom_data"] == {"messages_lost": str(lost), "messages_lost /words": str(lost)}
+
+
+def test_a_target_now_and_then_is_no_loss(ros: Any, recorder: Any, sender: Node) -> None:
+    """Its steps are those of a flight, and most of them have none."""
+    node = recorder("target_attitude", "accepted_target")
+    topics = [
+        matched(ros, sender.create_publisher(AttitudeReference, topic.name, topic.qos))
+        for topic in (TARGET, ACCEPTED_TARGET)
+    ]
+    for step in (40, 90):
+        for topic in topics:
+            topic.publish(AttitudeReference(step=step))
+    bag = closed(ros, node, 4)
+    with open_bag(bag) as found:
+        losses = found.metadata()["losses"]
+    assert losses == {"/target_attitude": "0", "/accepted_target": "0"}

@@ -16,6 +16,7 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import State
 from spacecraft_gnc.nodes import _convert as convert
+from spacecraft_gnc.nodes._topics import ACCEPTED_TARGET
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
 
 ZERO = np.zeros(3)
@@ -32,6 +33,11 @@ class Flight:
         assert self.governor.trigger_activate().name == "SUCCESS"
         self.client = ActionClient(self.client_node, SlewTo, "slew_to")
         self.feedback: list[SlewTo.Feedback] = []
+        self.accepted: list[tuple[int, float]] = []
+        topic = ACCEPTED_TARGET
+        self.client_node.create_subscription(
+            topic.type, topic.name, self._note_target, topic.qos, raw=True
+        )
         self.step = -1
 
     def send(self, angle: float, **goal: Any) -> tuple[Any, Any]:
@@ -54,6 +60,10 @@ class Flight:
             (self.step, 0), State(self.step, turn(angle), ZERO), np.array([0.0, 0.0, rate])
         )
         self.governor._on_state(data)
+
+    def _note_target(self, data: bytes) -> None:
+        step, reference = convert.decode_reference(data)
+        self.accepted.append((step, float(lie.log(reference.attitude)[2])))
 
     def result(self, future: Any) -> tuple[int, Any]:
         self.ros.spin_until(future.done)
@@ -121,6 +131,38 @@ def test_a_target_on_the_topic_replaces_the_goal(flight: Flight) -> None:
     status, answer = flight.result(result)
     assert status == GoalStatus.STATUS_ABORTED
     assert "target_attitude" in answer.message
+
+
+def test_every_target_taken_is_told_with_the_step_that_it_counts_from(flight: Flight) -> None:
+    flight.fly(0.0)
+    flight.send(0.5)
+    flight.fly(0.0)
+    flight.fly(0.0)
+    flight.send(-0.2)
+    _, refused = flight.send(0.1, target=Quaternion(w=0.0))
+    flight.result(refused)
+    flight.fly(0.0)
+    flight.ros.spin_until(lambda: len(flight.accepted) == 2)
+    assert flight.accepted == [(1, pytest.approx(0.5)), (3, pytest.approx(-0.2))]
+    flight.governor.trigger_deactivate()
+    flight.governor.trigger_activate()  # it is at the scenario's target again
+    for _ in range(2):  # it answers the repeated state: others may not have found it before
+        flight.fly(0.0)
+        flight.step -= 1
+    flight.ros.spin_until(lambda: len(flight.accepted) == 3)
+    assert flight.accepted[2] == (4, 0.0)
+
+
+def test_without_a_slew_no_target_is_told(flight: Flight) -> None:
+    flight.fly(0.0)
+    flight.governor.trigger_deactivate()
+    flight.governor.trigger_activate()
+    flight.step = -1
+    flight.fly(0.0)
+    flight.send(0.5)
+    flight.fly(0.0)
+    flight.ros.spin_until(lambda: bool(flight.accepted))
+    assert flight.accepted == [(1, pytest.approx(0.5))]
 
 
 def test_deactivation_aborts(flight: Flight) -> None:

@@ -11,6 +11,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
 from spacecraft_gnc.recording.schema_text import schema_text
+from spacecraft_gnc.recording.steps import SPARSE
 from spacecraft_gnc.recording.writer import BagWriter
 
 MESSAGES = Path(__file__).parents[2] / "msg_defs" / "msg"
@@ -161,6 +162,7 @@ CODEC = Codec()
 TOPICS = {
     "attitude_state": "AttitudeState",
     "attitude_reference": "AttitudeReference",
+    "accepted_target": "AttitudeReference",
     "torque_command": "TorqueCommand",
     "governor_status": "GovernorStatus",
     "solver_status": "SolverStatus",
@@ -181,6 +183,7 @@ def random_flight(n, seed=0):
         momentum=momentum[:-1],
         torque=rng.normal(size=(n, 3)),
         reference=reference,
+        target=np.full((n, 3, 3), np.nan),
         iterations=rng.integers(1, 9, n),
         residual=rng.random(n),
         cost=rng.random(n),
@@ -227,6 +230,7 @@ def announce(writer, namespace=""):
             CODEC.texts[name],
             qos_yaml=qos_yaml(QosProfile(depth=1000)),
             type_hash=CODEC.store.hash_rihs01(name),
+            gapless=topic not in SPARSE,
         )
 
 

@@ -33,10 +33,12 @@ def cut_bag(folder, items=ITEMS, keep=1.0, **options):
     bag.attach("scenario.yaml", "application/yaml", SCENARIO)
     bag.metadata("run", {"host": "here"})
     announce(bag)
-    bag.flush()
-    begun = bag.path.stat().st_size
+    begun = 0
     for topic, step, data in items:
         bag.write(topic, 1000 * step, 1000 * step, data)
+        if not begun:
+            bag.flush()  # the definitions are in the first chunk
+            begun = bag.path.stat().st_size
     bag.abort()
     os.truncate(bag.path, begun + int(keep * (bag.path.stat().st_size - begun)))
     return folder
@@ -163,7 +165,7 @@ def test_what_cannot_be_recovered(tmp_path):
 
 
 def test_no_whole_message_leaves_nothing(tmp_path):
-    source = cut_bag(tmp_path / "cut", keep=0.02)
+    source = cut_bag(tmp_path / "cut", keep=-0.02)  # in the first chunk
     refused("without a whole message", source, tmp_path / "new")
     assert not (tmp_path / "new").exists()
 

@@ -17,6 +17,7 @@ from spacecraft_gnc.recording.columns import Columns, iter_columns, read_columns
 from spacecraft_gnc.recording.reader import acted, whole_steps
 from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, parse_scenario
 from spacecraft_gnc.recording.steps import (
+    ACCEPTED_TARGET,
     GOVERNOR_STATUS,
     INVARIANTS,
     REFERENCE,
@@ -29,7 +30,9 @@ from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Array
 
 PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
-KEPT: Final = (STATE, INVARIANTS, REFERENCE, GOVERNOR_STATUS, TORQUE, WALL_TIMING)
+KEPT: Final = (
+    STATE, INVARIANTS, REFERENCE, GOVERNOR_STATUS, ACCEPTED_TARGET, TORQUE, WALL_TIMING,
+)  # fmt: skip
 LEADING: Final = (STATE, INVARIANTS)
 """Topics that tell of the end of the last step, too."""
 

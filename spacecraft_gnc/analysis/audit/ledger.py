@@ -187,6 +187,14 @@ class Ledger:
             _note_first(line, Difference(int(steps[row]), f"{where}{place}"))
 
 
+def as_absolute(tolerance: float | None, recorded: Array) -> float | None:
+    """Return a stated tolerance in a field's unit: a share of its largest finite magnitude."""
+    if tolerance is None:
+        return None
+    finite = np.abs(recorded[np.isfinite(recorded)])
+    return tolerance * max(float(np.max(finite, initial=0.0)), 1e-300)
+
+
 def _note_first(line: Check, found: Difference) -> None:
     if line.first is None or found.step < line.first.step:
         line.first = found
@@ -198,7 +206,7 @@ def _deviation(
     recorded = np.ascontiguousarray(values, dtype=np.float64).reshape(len(values), -1)
     wanted = np.ascontiguousarray(expected, dtype=np.float64).reshape(recorded.shape)
     with np.errstate(invalid="ignore", over="ignore"):
-        off = np.abs(recorded - wanted)
+        off = np.where(recorded == wanted, 0.0, np.abs(recorded - wanted))  # inf - inf is no number
     if tolerance is None:
         return off, recorded.view(np.int64) != wanted.view(np.int64)
     return off, ~(off <= np.asarray(tolerance).reshape(-1, 1))

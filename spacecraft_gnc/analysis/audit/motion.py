@@ -9,7 +9,7 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit import _audit_kernels as kernels
 from spacecraft_gnc.analysis.audit.evidence import Evidence
-from spacecraft_gnc.analysis.audit.ledger import Ledger
+from spacecraft_gnc.analysis.audit.ledger import Ledger, as_absolute
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.plants import RigidBodyPlant
 from spacecraft_gnc.recording.steps import INVARIANTS, STATE, TORQUE
@@ -93,14 +93,9 @@ def _each_step(
         (_ATTITUDE, states.fields["attitude"], found[0].reshape(-1, 9)),
         (_MOMENTUM, momenta, found[1]),
     ):
-        limit = _limit(tolerance, recorded)
+        limit = as_absolute(tolerance, recorded)
         steps = states.steps[after]
         ledger.compare(name, steps, {where: recorded[after]}, {where: again[:m]}, limit)
-
-
-def _limit(tolerance: float | None, recorded: Array) -> float | None:
-    """Return the stated tolerance in the field's unit: a share of its largest magnitude."""
-    return None if tolerance is None else tolerance * max(float(np.abs(recorded).max()), 1e-300)
 
 
 def _in_a_row(
@@ -128,7 +123,7 @@ def _in_a_row(
             continue
         for where in names:
             recorded = evidence.rows(source, where.partition(".")[2], steps)
-            limit = _limit(tolerance, recorded)
+            limit = as_absolute(tolerance, recorded)
             ledger.compare(topic, steps, {where: recorded}, {where: again[where][steps]}, limit)
 
 

@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from spacecraft_gnc.analysis.audit.decisions import audit_decisions
 from spacecraft_gnc.analysis.audit.evidence import Evidence, Progress, read_evidence
 from spacecraft_gnc.analysis.audit.ledger import Check, Difference, Ledger
 from spacecraft_gnc.analysis.audit.motion import audit_motion
@@ -81,8 +82,8 @@ def audit_bag(
     path
         Bag folder or .mcap file.
     tolerance
-        What the motion may differ from the integrator's, as a share of each field's largest
-        magnitude; None: not in a bit.
+        What motion and decisions may differ from those made again, as a share of each field's
+        largest magnitude; None: not in a bit.
     namespace
         Of the spacecraft, where the bag holds several.
     allow_unfinished
@@ -104,7 +105,8 @@ def audit_bag(
         audit_order(evidence, ledger, held, allow_unfinished)
         plant = evidence.scenario.build_plant()
         audit_motion(evidence, plant, ledger, tolerance, watch("integrating"))
-        audit_references(evidence, ledger, watch("following the reference"))
+        audit_references(evidence, ledger)
+        audit_decisions(evidence, ledger, tolerance, watch("asking the governor"))
         _audit_solves(evidence, ledger, watch("certifying"))
         audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
     return Audit(Path(path), evidence.n, tuple(ledger.checks.values()), ledger.first)

@@ -18,7 +18,6 @@ from spacecraft_gnc.analysis.live.picture import (
     status_name,
 )
 from spacecraft_gnc.analysis.live.transport import Transport
-from spacecraft_gnc.analysis.series import target
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,12 +66,11 @@ class RecordedFlight:
             if scenario is None
             else Setup.of(scenario, title, live=False)
         )
-        self._target = target(self._flown, scenario)
         first, last = float(self._flown.time[0]), float(self._flown.time[-1])
         self.transport = Transport(first, last, rate, clock)
         self.history = History()
         for step in chosen_steps(n_steps):
-            self.history.append(sample(self._picture(step, Phase.PAUSED), self._target))
+            self.history.append(sample(self._picture(step, Phase.PAUSED), self.setup.target))
 
     def __enter__(self) -> Self:
         """Return the flight."""
@@ -106,7 +104,7 @@ class RecordedFlight:
             time=float(t.time[step]),
             attitude=_known(t.attitude[step]),
             reference=_known(t.reference[step]),
-            target=self._target,
+            target=_known(t.target[step]),
             momentum=_known(t.momentum[step]),
             torque=_known(t.torque[step]),
             source=int(t.source[step]),

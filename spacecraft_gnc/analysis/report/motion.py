@@ -56,11 +56,11 @@ def motion_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
 
 def _attitude_error(runs: Sequence[Run], points: int) -> Chart:
     def settling(run: Run) -> Array:
-        return series.settling_error_deg(run.trajectory, run.scenario)
+        return series.settling_error_deg(run.trajectory)
 
     traces = list(one_curve_each(runs, points, settling, "angle to the target"))
     for i, run in enumerate(runs):
-        if series.target(run.trajectory, run.scenario) is not None:
+        if series.targets(run.trajectory) is not None:
             error = series.attitude_error_deg(run.trajectory)
             text = named(runs, run, "to the reference")
             line = {**run_line(i), "dash": "dot", "width": 1.1}

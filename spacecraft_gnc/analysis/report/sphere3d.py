@@ -63,7 +63,7 @@ def _run_data(run: Run, points: int) -> dict[str, Any]:
         "time": packed(series.state_times(trajectory)[chosen]),
         "attitude": packed(attitudes[chosen]),
         "reference": packed(series.references(trajectory)[chosen]),
-        "error": packed(series.settling_error_deg(trajectory, run.scenario)[chosen]),
+        "error": packed(series.settling_error_deg(trajectory)[chosen]),
         "momentum": packed(momenta[chosen]),
         "torque": packed(trajectory.torque[steps]),
         "source": [source_name(int(s)) for s in trajectory.source[steps]],
