@@ -13,6 +13,7 @@ import pytest
 import rclpy
 from geometry_msgs.msg import Quaternion
 from graph.comparison import CASE1, assert_equals_simulation
+from graph.test_failures import kill
 from graph.test_flight import payloads
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
@@ -21,12 +22,13 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc_msgs.msg import GovernorStatus
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.audit.ledger import Check
 from spacecraft_gnc.analysis.audit.run import audit_bag
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted
 from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.nodes import _convert as convert
-from spacecraft_gnc.nodes._topics import DIAGNOSTICS, GOVERNOR_STATUS, TARGET
+from spacecraft_gnc.nodes._topics import DIAGNOSTICS, GOVERNOR, GOVERNOR_STATUS, TARGET
 from spacecraft_gnc.recording.reader import read_flight
 
 pytestmark = pytest.mark.graph
@@ -152,8 +154,25 @@ def test_targets_in_flight(graph: Any, at: Any) -> None:
     assert np.nanmax(np.linalg.norm(flown.torque, axis=1)) <= LIMIT * (1.0 + 1e-9)
     assert lie.angle_between(flown.reference[-1], about_x(-20.0)) < 1e-9
     assert lie.angle_between(flown.target[-1], about_x(-20.0)) < 1e-9
-    audit = audit_bag(out / "bag", allow_unfinished=True)
-    assert audit.passed, audit.first
-    (decisions,) = (c for c in audit.checks if c.name == "decision of the governor")
+    decisions = audited(out)
     assert decisions.steps >= flown.n_steps
     assert decisions.note.endswith("targets taken in flight")
+
+
+def audited(out: Path) -> Check:
+    """Audit a flight and return the line of the governor."""
+    audit = audit_bag(out / "bag", allow_unfinished=True)
+    assert audit.passed, audit.first
+    return next(check for check in audit.checks if check.name == "decision of the governor")
+
+
+def test_a_governor_restarted_in_flight_is_told_by_the_audit(graph: Any, at: Any) -> None:
+    patient = "plant.command_timeout=120.0"  # a busy machine may take long to start a process
+    changes = (patient, "launcher.on_node_death=restart")
+    out = graph.fly(*changes, scenario=KALABIC, display=at(60, kill(GOVERNOR)))
+    assert graph.outcome.restarts == (GOVERNOR,)
+    decisions = audited(out)
+    assert decisions.steps == 1201
+    taken, anew = decisions.note.split("; the governor started anew at step ")
+    assert taken == "1 targets taken in flight"  # the scenario's, told again
+    assert 60 <= int(anew) < 1201
