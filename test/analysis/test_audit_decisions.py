@@ -59,7 +59,7 @@ def test_every_decision_is_made_again_with_the_targets_taken_in_flight(bag):
     assert audit.passed, audit.first
     found = line(audit)
     assert (found.verdict, found.steps, found.worst) == ("pass", N, 0.0)
-    assert found.note == "2 targets taken in flight"
+    assert found.note == "targets taken in flight: 2"
     with open_bag(bag) as opened:
         alpha = read_columns(opened, ["governor_status"])["governor_status"].fields["alpha"]
     assert ((alpha > 0.0) & (alpha < 1.0)).sum() > N / 2  # the governor had something to decide
@@ -120,7 +120,7 @@ def test_a_governor_that_was_started_anew_is_recognised(tmp_path):
     audit = audit_bag(fly(tmp_path, scenario(), targets=TARGETS, anew=[12]))
     assert audit.passed, audit.first
     anew = "the governor started anew at step 12"
-    assert line(audit).note == f"2 targets taken in flight; {anew}"
+    assert line(audit).note == f"targets taken in flight: 2; {anew}"
     assert line(audit).steps == N
 
 

@@ -130,7 +130,7 @@ def test_losses_are_shown(tmp_path):
     assert "attitude_reference lacks step 3" in text
     assert "steps without a state or a torque (gaps in the curves): 1" in text
     assert "steps flown on a fallback torque: 12" in text
-    assert "/solver_status: steps lost by the recorder: 1" in text
+    assert "solver_status lacks step 4" in text
 
 
 def test_missed_deadlines_are_drawn_and_counted(tmp_path):

@@ -163,7 +163,9 @@ class _Inquiry:
         return all(part.all() for part in near)
 
     def _note(self) -> str:
-        notes = [f"{len(self._targets)} targets taken in flight"] if self._targets else []
+        notes = []
+        if self._targets:
+            notes.append(f"targets taken in flight: {len(self._targets)}")
         if self._anew:
             notes.append(f"the governor started anew at step {', '.join(map(str, self._anew))}")
         return "; ".join(notes)

@@ -11,10 +11,8 @@ import numpy as np
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
 from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
-from spacecraft_gnc.recording._metadata import LOSSES_RECORD
 from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
-from spacecraft_gnc.recording.steps import WALL_TIMING
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
@@ -51,10 +49,6 @@ class Run:
     def warnings(self) -> list[str]:
         """Return what a reader should know before trusting the curves, one line each."""
         lines = [line.removeprefix(f"{self.info.path}: ") for line in self.info.warnings()]
-        for topic, count in self.info.metadata.get(LOSSES_RECORD, {}).items():
-            # The plant sends the wall timing a few times a second only: its gaps are no losses.
-            if count not in ("0", "") and not topic.endswith(WALL_TIMING):
-                lines.append(f"{topic}: steps lost by the recorder: {count}")
         counted = {
             "missing_steps": "steps without a state or a torque (gaps in the curves)",
             "unconverged_steps": "solves that did not converge",
