@@ -92,8 +92,10 @@ class Evidence:
             yield block
 
 
-def read_evidence(bag: Bag, namespace: str | None, progress: Progress | None) -> Evidence:
-    """Read what an audit needs, but for the plans.
+def read_evidence(
+    bag: Bag, namespace: str | None, progress: Progress | None, *, stopped: bool = False
+) -> Evidence:
+    """Read what an audit needs, but for the plans; a flight that was ``stopped`` has loose ends.
 
     Raises
     ------
@@ -112,7 +114,7 @@ def read_evidence(bag: Bag, namespace: str | None, progress: Progress | None) ->
             "version that flew"
         )
     recovered = RECOVERED_RECORD in bag.metadata()
-    n = _flown(columns, bag.unfinished or recovered)
+    n = _flown(columns, bag.unfinished or recovered or stopped)
     return Evidence(bag.path, scenario, columns, n, bag.unfinished, recovered, bag, namespace)
 
 

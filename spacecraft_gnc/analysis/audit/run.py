@@ -100,7 +100,7 @@ def audit_bag(
     ledger = Ledger()
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         bag.verify(watch("checksums"))
-        evidence = read_evidence(bag, namespace, watch("reading"))
+        evidence = read_evidence(bag, namespace, watch("reading"), stopped=allow_unfinished)
         held = held_steps(evidence)
         audit_order(evidence, ledger, held, allow_unfinished)
         plant = evidence.scenario.build_plant()
