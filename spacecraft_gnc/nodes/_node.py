@@ -29,6 +29,7 @@ from spacecraft_gnc.nodes._topics import DIAGNOSTICS, PLANT, READY, RECORDER, To
 from spacecraft_gnc.scenario import Scenario
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
+_MOST_REPEATS = 20  # of a state that a restarted node waits through for its peers
 _LAST_WORDS = Duration(seconds=1)  # wall time granted to readers that have not acknowledged
 
 
@@ -59,7 +60,8 @@ class GncNode(LifecycleNode):
         self._resources = ExitStack()
         self._open_publishers: list[Publisher] = []
         self._readiness: Readiness | None = None
-        self._called = False
+        self._called = self._was_called = False
+        self._asked = 0
         self._last_report = -_REPORT_PERIOD
 
     # What a node is made of, in the order of its life.
@@ -88,10 +90,17 @@ class GncNode(LifecycleNode):
 
         One that is restarted in mid-flight finds the recorder up to 50 ms before the recorder finds
         it, and what it publishes in between is in no bag. The plant repeats the state of a stalled
-        step after 0.25 s.
+        step every 0.25 s: it is answered once everybody was matched at the last one (`is_heard`).
         """
         lockstep = self.scenario.plant.mode == "lockstep"
         return step > 0 and lockstep and RECORDER in self.scenario.plant.peers
+
+    def is_heard(self) -> bool:
+        """Tell whether everybody was matched when this was last asked, or never will be."""
+        heard = self._was_called or self._asked >= _MOST_REPEATS
+        self._was_called = self._called
+        self._asked += 1
+        return heard
 
     # Transitions.
 
@@ -138,7 +147,8 @@ class GncNode(LifecycleNode):
         self.open()
 
     def _activate(self) -> None:
-        self._called = False
+        self._called = self._was_called = False
+        self._asked = 0
         self.active = True
         try:
             self.start()

@@ -121,7 +121,7 @@ class ControllerNode(GncNode):
             return
         self._state_bytes = data
         self._arrival = time.perf_counter()
-        self._unheard = joining and self.is_reborn(self._state.step)
+        self._unheard = joining and self.is_reborn(self._state.step) and not self.is_heard()
         self._answer_if_due()
 
     def _on_reference(self, data: bytes) -> None:
@@ -180,7 +180,7 @@ class ControllerNode(GncNode):
 
     def _repeat(self) -> None:
         if self._unheard:
-            self._unheard = False
+            self._unheard = not self.is_heard()
             self._answer_if_due()
         elif self._state is not None and self._answered == self._state.step and not self._busy:
             self._publish_torque(self._torque_bytes)

@@ -108,7 +108,7 @@ class GovernorNode(GncNode):
         self._waiting: _Received | None = None
         self._taken: Matrix3 | None = None
         self._is_first = True
-        self._deciding = False
+        self._deciding = self._unheard = False
         self._skipped = 0
         self._state_bytes = self._reference_bytes = b""
         # A fast decision costs less than handing it to another thread and back.
@@ -133,9 +133,7 @@ class GovernorNode(GncNode):
         if not self.active:
             return
         if data == self._state_bytes:
-            if self._reference_bytes:
-                self._publish_reference(self._reference_bytes)
-            self._decide_next()
+            self._repeat()
             return
         joining = self._received_step == _NEVER
         try:
@@ -146,8 +144,16 @@ class GovernorNode(GncNode):
         self._received_step = received.state.step
         self._state_bytes, self._reference_bytes = data, b""
         self._waiting = received
-        if not (joining and self.is_reborn(received.state.step)):
-            self._decide_next()
+        reborn = joining and self.is_reborn(received.state.step)
+        self._unheard = reborn and not self.is_heard()
+        self._decide_next()
+
+    def _repeat(self) -> None:
+        if self._unheard:
+            self._unheard = not self.is_heard()
+        if self._reference_bytes:
+            self._publish_reference(self._reference_bytes)
+        self._decide_next()
 
     def _on_target(self, data: bytes) -> None:
         if not self.active:
@@ -184,7 +190,7 @@ class GovernorNode(GncNode):
 
     def _decide_next(self) -> None:
         received = self._waiting
-        if received is None or self._deciding:
+        if received is None or self._deciding or self._unheard:
             return
         if self._step != _NEVER:
             self._skipped += received.state.step - self._step - 1

@@ -27,6 +27,7 @@ def started(node: GncNode) -> Any:
     node.trigger_configure()
     node.trigger_activate()
     assert node.active, node.failure
+    node._called = True  # as if the peers, which no test here needs, were matched
     return node
 
 
@@ -163,3 +164,29 @@ def test_who_joins_in_mid_flight_answers_the_repeat(ros: Any, step: int, asked: 
         controller._on_state(state(step))
         governor._on_state(state(step))
         assert len(torques) == len(references) == (number == asked)
+
+
+def test_who_is_not_matched_yet_is_not_heard(ros: Any) -> None:
+    governor = started(ros.add(GovernorNode()))
+    references: list[bytes] = []
+    governor._publish_reference = references.append
+    governor._called = False
+    for _ in range(3):
+        governor._on_state(state(4))
+    governor._called = True
+    governor._on_state(state(4))  # matched only now: the others may not have found it yet
+    assert references == []
+    governor._on_state(state(4))
+    assert len(references) == 1
+
+
+def test_who_is_never_matched_answers_in_the_end(ros: Any) -> None:
+    governor = started(ros.add(GovernorNode()))
+    references: list[bytes] = []
+    governor._publish_reference = references.append
+    governor._called = False
+    asked = 0
+    while not references:
+        governor._on_state(state(4))
+        asked += 1
+    assert asked == 21
