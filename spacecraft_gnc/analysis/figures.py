@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
 FORMATS: Final = ("png", "svg", "pdf")
-ERROR_SCALES: Final = ("log", "linear")
 SINGLE = (6.3, 3.2)  # [inch]
 DOUBLE = (6.3, 5.2)
 _SQUARE = (5.2, 5.6)

@@ -74,6 +74,29 @@ def known_scenario(info: RunInfo, given: Scenario | None) -> Scenario | None:
     return info.scenario
 
 
+def require_folder(out: Path | None) -> None:
+    """Refuse a folder that could not be made or written in, before anything is computed.
+
+    Raises
+    ------
+    RecordingError
+        If it, or what it would be made in, is a file or not writable.
+    """
+    if out is None:
+        return
+    there = next(path for path in (out.absolute(), *out.absolute().parents) if path.exists())
+    if not there.is_dir():
+        problem = "a file" if there == out.absolute() else f"in {there}, which is a file"
+    elif not os.access(there, os.W_OK | os.X_OK):
+        problem = "which may not be written"
+    else:
+        return
+    raise RecordingError(
+        f"--out: received {str(out)!r}, {problem}; required a folder that can be written; choose "
+        "another one"
+    )
+
+
 def require_writable(out: Path, suffix: str) -> None:
     """Refuse an output file that could not be written, before anything is computed.
 

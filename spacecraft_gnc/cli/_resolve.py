@@ -7,7 +7,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from spacecraft_gnc.cli._common import RunFailed, given_scenario, known_scenario, print_json
+from spacecraft_gnc.cli._common import (
+    RunFailed,
+    given_scenario,
+    known_scenario,
+    print_json,
+    require_folder,
+)
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError, RecordingError
 
@@ -49,6 +55,7 @@ def solve_again(wish: Solving) -> None:
     from spacecraft_gnc.recording.reader import load_run
     from spacecraft_gnc.scenario import revise
 
+    require_folder(wish.out)
     flight = load_run(wish.source, namespace=wish.namespace, allow_unfinished=wish.unfinished)
     recorded = _scenario(flight, wish.scenario)
     revised, unread = revise(recorded, wish.overrides, wish.method)

@@ -18,6 +18,7 @@ from spacecraft_gnc.cli._common import (
     given_scenario,
     known_scenario,
     print_json,
+    require_folder,
 )
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
@@ -107,6 +108,7 @@ def plot(
     from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
 
     given = given_scenario(scenario)
+    require_folder(out)
     with show_progress("reading", silent=quiet) as progress:
         flights = [
             load_run(path, namespace=namespace, allow_unfinished=unfinished) for path in sources

@@ -13,6 +13,7 @@ from spacecraft_gnc.cli._common import (
     QuietOption,
     RunFailed,
     json_able,
+    require_folder,
 )
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import RecordingError
@@ -55,6 +56,7 @@ def reproduce(
     if name is not None:
         require_paper(name)
     _require_writable(result)
+    require_folder(out)
     reports = []
     for paper in PAPERS if name is None else [name]:
         with show_progress("flying", silent=quiet) as show:

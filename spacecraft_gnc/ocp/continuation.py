@@ -16,7 +16,6 @@ from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
-CONTINUATIONS = ("none", "penalty", "state")
 SMALLEST_SHARE = 1e-8  # of the penalties, with which a penalty continuation starts
 FACTOR = 100.0  # between two of its problems
 SMALLEST_ADVANCE = 1.0 / 1024.0  # share of the way below which a state continuation gives up

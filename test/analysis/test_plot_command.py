@@ -73,6 +73,13 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path, capsys, name, reason):
     assert not (tmp_path / "out").exists()
 
 
+def test_a_folder_that_is_a_file_is_refused(flight, tmp_path, capsys):
+    (tmp_path / "out").write_text("mine")
+    assert run(flight, "-o", tmp_path / "out") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "a file; required a folder" in line
+
+
 def test_an_unknown_format_is_refused(flight, capsys):
     assert run(flight, "-f", "gif") == 2
     assert "gif" in capsys.readouterr().err

@@ -108,6 +108,14 @@ def test_a_file_that_cannot_be_written_is_refused_before_anything_flies(tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_folder_that_is_a_file_is_refused_before_anything_flies(tmp_path, capsys):
+    (tmp_path / "figures").write_text("mine")
+    assert run("gupta2015", "--out", tmp_path / "figures") == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("error: --out: received ")
+    assert "a file; required a folder" in line
+
+
 def test_a_figure_that_does_not_come_out_ends_with_1(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("spacecraft_gnc.analysis.reproduce.bagherzadeh2023.LINEAR", (0.9, 3.6, 7.0))
     assert run("bagherzadeh2023", "--quiet", "--out", tmp_path) == 1

@@ -167,6 +167,15 @@ def test_bad_input_is_one_line_and_exit_code_2(bag, capsys, arguments, words):
     assert words in refusal(capsys, bag, *arguments)
 
 
+def test_a_folder_that_is_a_file_is_refused_before_anything_is_solved(bag, tmp_path, capsys):
+    file = tmp_path / "figures"
+    file.write_text("mine")
+    assert "a file; required a folder" in refusal(capsys, bag, "--out", file)
+    told = refusal(capsys, bag, "--out", file / "deeper")
+    assert f"in {file}, which is a file; required a folder" in told
+    assert file.read_text() == "mine"
+
+
 @pytest.mark.parametrize("options", [[], ["--publish"]])
 def test_what_is_no_bag_is_refused(tmp_path, capsys, options):
     assert "no such file or folder" in refusal(capsys, tmp_path / "none", *options)
