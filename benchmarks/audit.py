@@ -39,6 +39,7 @@ RECORDED = (
     topics.GOVERNOR_STATUS,
     topics.TORQUE,
     topics.SOLVER_STATUS,
+    topics.ACCEPTED_TARGET,  # none is taken in flight, but without the topic nobody can tell
 )
 MIB = 1024.0  # KiB
 
