@@ -63,15 +63,15 @@ def given_scenario(path: Path | None) -> Scenario | None:
 
 
 def known_scenario(info: RunInfo, given: Scenario | None) -> Scenario | None:
-    """Return the scenario that a run holds, else the one that was given.
+    """Return the scenario that a run holds, else the one that was given."""
+    tell_unused(info, given)
+    return info.scenario or given
 
-    A given one that the run does not need is told of: it did not fly.
-    """
-    if info.scenario is None:
-        return given
-    if given is not None:
+
+def tell_unused(info: RunInfo, given: Scenario | None) -> None:
+    """Tell of a scenario that was given though the run holds what flew."""
+    if given is not None and info.scenario is not None:
         print(f"note: {info.path}: holds what flew; --scenario is not used", file=sys.stderr)
-    return info.scenario
 
 
 def require_folder(out: Path | None) -> None:

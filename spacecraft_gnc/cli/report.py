@@ -16,9 +16,9 @@ from spacecraft_gnc.cli._common import (
     QuietOption,
     UnfinishedOption,
     given_scenario,
-    known_scenario,
     print_json,
     require_writable,
+    tell_unused,
 )
 from spacecraft_gnc.cli._progress import Progress, show_progress
 from spacecraft_gnc.cli.plot import ScenarioOption
@@ -73,7 +73,7 @@ def report(
                 allow_unfinished=unfinished,
                 progress=watch,
             )
-            known_scenario(found.info, known)
+            tell_unused(found.info, known)
             runs.append(found)
         progress(0, 1, "writing")
         write_report(report_html(runs, title), out)

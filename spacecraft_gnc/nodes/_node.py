@@ -85,22 +85,20 @@ class GncNode(LifecycleNode):
     def on_everyone_ready(self) -> None:
         """All endpoints of this node are matched, for the first time since activation."""
 
-    def is_reborn(self, step: int) -> bool:
-        """Tell whether a node whose first state is that of ``step`` has to be asked twice.
+    def is_unheard(self, step: int) -> bool:
+        """Tell, of each repeat of a node's first state, whether the recorder may miss the answer.
 
-        One that is restarted in mid-flight finds the recorder up to 50 ms before the recorder finds
-        it, and what it publishes in between is in no bag. The plant repeats the state of a stalled
-        step every 0.25 s: it is answered once everybody was matched at the last one (`is_heard`).
+        A node restarted in mid-flight finds the recorder up to 50 ms before the recorder finds it,
+        and what it publishes in between is in no bag. The plant repeats the state of a stalled step
+        every 0.25 s: the answer waits until everybody was matched at the repeat before.
         """
-        lockstep = self.scenario.plant.mode == "lockstep"
-        return step > 0 and lockstep and RECORDER in self.scenario.plant.peers
-
-    def is_heard(self) -> bool:
-        """Tell whether everybody was matched when this was last asked, or never will be."""
+        plant = self.scenario.plant
+        if step == 0 or plant.mode != "lockstep" or RECORDER not in plant.peers:
+            return False
         heard = self._was_called or self._asked >= _MOST_REPEATS
         self._was_called = self._called
         self._asked += 1
-        return heard
+        return not heard
 
     # Transitions.
 

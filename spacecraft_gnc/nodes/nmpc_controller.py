@@ -121,7 +121,7 @@ class ControllerNode(GncNode):
             return
         self._state_bytes = data
         self._arrival = time.perf_counter()
-        self._unheard = joining and self.is_reborn(self._state.step) and not self.is_heard()
+        self._unheard = joining and self.is_unheard(self._state.step)
         self._answer_if_due()
 
     def _on_reference(self, data: bytes) -> None:
@@ -179,10 +179,12 @@ class ControllerNode(GncNode):
         self._publish_status(self._status.encode(job.stamp, job.state.step, command, wall))
 
     def _repeat(self) -> None:
+        if self._state is None:
+            return
         if self._unheard:
-            self._unheard = not self.is_heard()
+            self._unheard = self.is_unheard(self._state.step)
             self._answer_if_due()
-        elif self._state is not None and self._answered == self._state.step and not self._busy:
+        elif self._answered == self._state.step and not self._busy:
             self._publish_torque(self._torque_bytes)
 
     def _report(self) -> None:

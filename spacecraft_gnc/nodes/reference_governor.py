@@ -144,13 +144,12 @@ class GovernorNode(GncNode):
         self._received_step = received.state.step
         self._state_bytes, self._reference_bytes = data, b""
         self._waiting = received
-        reborn = joining and self.is_reborn(received.state.step)
-        self._unheard = reborn and not self.is_heard()
+        self._unheard = joining and self.is_unheard(self._received_step)
         self._decide_next()
 
     def _repeat(self) -> None:
         if self._unheard:
-            self._unheard = not self.is_heard()
+            self._unheard = self.is_unheard(self._received_step)
         if self._reference_bytes:
             self._publish_reference(self._reference_bytes)
         self._decide_next()

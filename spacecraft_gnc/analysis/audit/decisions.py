@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
 from spacecraft_gnc.analysis.audit.ledger import as_absolute
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.loop.protocols import GovernorDecision, State
+from spacecraft_gnc.loop.protocols import State
 from spacecraft_gnc.recording._metadata import LOSSES_RECORD
 from spacecraft_gnc.recording.steps import (
     ACCEPTED_TARGET,
@@ -39,8 +39,7 @@ _FIELDS: Final = {
     },
 }
 """Columns of a decision written in one row."""
-_MEASURED: Final = 9 + len(_MEASURES)
-"""Columns before those of what is counted."""
+_COUNTED: Final = tuple(f"{GOVERNOR_STATUS}.{name}" for name in _COUNTS)
 
 
 def audit_decisions(
@@ -70,8 +69,15 @@ def _not_asked(evidence: Evidence) -> str:
     if missing:
         return f"not recorded: {', '.join(sorted(missing))}"
     losses = evidence.bag.metadata().get(LOSSES_RECORD, {})
-    lost = [topic for topic in recorded if losses.get(topic, "0") not in ("0", "")]
+    lost = [topic for topic in recorded if losses.get(topic, "0") != "0"]
     return f"the recorder lost messages of {', '.join(sorted(lost))}" if lost else ""
+
+
+class _Decided(NamedTuple):
+    """A decision, its numbers in the columns of `_FIELDS`."""
+
+    row: Array
+    constraint: str
 
 
 class _Inquiry:
@@ -89,9 +95,12 @@ class _Inquiry:
             for topic, _, name in (field.partition(".") for field in _FIELDS)
         ]
         self._recorded: Array = np.hstack(columns)
-        self._limits = None
+        self._limits: Array | None = None  # of each column; rounding may tip what is counted
         if tolerance is not None:
-            self._limits = [as_absolute(tolerance, values) for values in columns]
+            self._limits = np.full(self._recorded.shape[1], np.inf)
+            for (where, at), values in zip(_FIELDS.items(), columns, strict=True):
+                if where not in _COUNTED:
+                    self._limits[at] = as_absolute(tolerance, values)
         targets = evidence.columns[ACCEPTED_TARGET]
         attitudes = targets.fields.get("attitude", np.empty((0, 9))).reshape(-1, 3, 3)
         self._targets = dict(zip(targets.steps.tolist(), attitudes, strict=True))
@@ -101,17 +110,19 @@ class _Inquiry:
     def enter(self, ledger: Ledger, progress: Progress | None) -> None:
         """Ask for every decision, and enter what differs."""
         made, constraints = np.empty_like(self._recorded), []
-        for i, decision in enumerate(self._decisions()):
-            made[i] = _row(decision)
-            constraints.append(decision.active_constraint)
+        for i, (row, constraint) in enumerate(self._decisions()):
+            made[i] = row
+            constraints.append(constraint)
             if progress is not None and i % 100 == 0:
                 progress(i, len(self._steps))
         n = len(constraints)
         steps = self._steps[:n]
-        for i, (where, at) in enumerate(self._compared().items()):
-            limit = None if self._limits is None else self._limits[i]
+        for where, at in _FIELDS.items():
             recorded, again = {where: self._recorded[:n, at]}, {where: made[:n, at]}
-            ledger.compare(_DECISION, steps, recorded, again, limit)
+            if self._limits is None:
+                ledger.compare(_DECISION, steps, recorded, again)
+            elif where not in _COUNTED:
+                ledger.compare(_DECISION, steps, recorded, again, float(self._limits[at.start]))
         if self._limits is None:
             same = self._constraints[:n] == np.array(constraints, dtype=object)
             where = f"{GOVERNOR_STATUS}.{_CONSTRAINT}"
@@ -121,46 +132,42 @@ class _Inquiry:
             ledger.fail("targets are admissible", "taken again", self._refused, where)
         ledger.check(_DECISION, "", self._note())
 
-    def _decisions(self) -> Iterator[GovernorDecision]:
+    def _decisions(self) -> Iterator[_Decided]:
         self._governor.reset()
         for i, step in enumerate(self._steps.tolist()):
             state = State(step, self._attitudes[i], self._momenta[i])
             try:
-                decision = self._decide(state)
-                if i and not self._is_recorded(i, decision):
+                decided = self._decide(state)
+                if i and not self._is_recorded(i, decided):
                     self._governor.reset()
                     again = self._decide(state)
                     if not self._is_recorded(i, again):
-                        yield decision
+                        yield decided
                         return  # what follows rests on it
                     self._anew.append(step)
-                    decision = again
+                    decided = again
             except GncError:
                 self._refused = step
                 return
-            yield decision
+            yield decided
 
-    def _decide(self, state: State) -> GovernorDecision:
+    def _decide(self, state: State) -> _Decided:
         target = self._targets.get(state.step)
         if target is not None:
             self._governor.set_target(target)
-        return self._governor.decide(state)
+        decision = self._governor.decide(state)
+        numbers = [float(getattr(decision, name)) for name in (*_MEASURES, *_COUNTS)]
+        row = np.array([*decision.reference.attitude.ravel().tolist(), *numbers])
+        return _Decided(row, decision.active_constraint)
 
-    def _compared(self) -> dict[str, slice]:
-        exact = self._limits is None
-        return {name: at for name, at in _FIELDS.items() if exact or at.stop <= _MEASURED}
-
-    def _is_recorded(self, i: int, decision: GovernorDecision) -> bool:
-        recorded, made = self._recorded[i], _row(decision)
+    def _is_recorded(self, i: int, decided: _Decided) -> bool:
+        recorded, made = self._recorded[i], decided.row
         if self._limits is None:
             same = recorded.tobytes() == made.tobytes()
-            return same and bool(self._constraints[i] == decision.active_constraint)
-        with np.errstate(invalid="ignore"):
-            near = [
-                (recorded[at] == made[at]) | (np.abs(recorded[at] - made[at]) <= limit)
-                for at, limit in zip(self._compared().values(), self._limits, strict=False)
-            ]
-        return all(part.all() for part in near)
+            return same and bool(self._constraints[i] == decided.constraint)
+        with np.errstate(invalid="ignore"):  # inf - inf, which is equal
+            near = (recorded == made) | (np.abs(recorded - made) <= self._limits)
+        return bool(near.all())
 
     def _note(self) -> str:
         notes = []
@@ -169,8 +176,3 @@ class _Inquiry:
         if self._anew:
             notes.append(f"the governor started anew at step {', '.join(map(str, self._anew))}")
         return "; ".join(notes)
-
-
-def _row(decision: GovernorDecision) -> Array:
-    numbers = [float(getattr(decision, name)) for name in (*_MEASURES, *_COUNTS)]
-    return np.array([*decision.reference.attitude.ravel().tolist(), *numbers])
