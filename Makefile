@@ -80,7 +80,8 @@ $(STAMPS)/environment:
 # Modules are compiled when first imported: most of what is installed here never is.
 $(STAMPS)/dependencies: requirements.lock $(STAMPS)/environment
 	@echo "== installing the dependencies (about a minute)"
-	@$(BIN)/python -m pip install -qq --no-compile --require-hashes -r requirements.lock
+	@$(BIN)/python -m pip install -qq --no-compile --no-deps --require-hashes -r requirements.lock
+	@$(BIN)/python -m pip check -q
 	@touch $@
 
 $(STAMPS)/messages: $(MESSAGES) tools/build_messages.sh tools/cmake/ros_wheels.cmake $(STAMPS)/dependencies
