@@ -12,7 +12,11 @@ VENV := .venv
 STAMPS := $(VENV)/stamps
 BIN := $(VENV)/bin
 SHARE := $(VENV)/share
+TIMES := $(STAMPS)/times
 PYTHON ?=
+
+# $(call timed,WHAT,COMMAND): say what is done, do it, and note its seconds for the end of the set-up.
+timed = echo "== $(1)"; begun=$$(date +%s); $(2) && printf '%6d s  %s\n' $$(($$(date +%s) - begun)) "$(1)" >>$(TIMES)
 
 MESSAGES := msg_defs/package.xml msg_defs/CMakeLists.txt $(wildcard msg_defs/*/*.msg msg_defs/*/*.action)
 KERNELS := $(shell find spacecraft_gnc -name '_*kernels.py')
@@ -27,16 +31,21 @@ unexport LD_LIBRARY_PATH
 endif
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH PYTHONHOME PYTHONPATH VIRTUAL_ENV
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+# What is installed here is compiled once; a command that reads the source of numba anew takes twice as long.
+unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.NOTPARALLEL:
-.PHONY: help setup demo test lint bench colcon lock clean
+.PHONY: help setup prepared demo test lint bench colcon lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):[^#]*## \(.*\)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 16
 
-setup: $(STAMPS)/messages $(STAMPS)/package $(STAMPS)/kernels ## install everything into .venv, build the messages, compile the kernels
+setup: ## install everything into .venv, build the messages, compile the kernels
+	@$(MAKE) --no-print-directory --jobs=2 prepared
+	@if [ -f $(TIMES) ]; then echo "== set up; it took"; sort -n $(TIMES); rm -f $(TIMES); fi
+
+prepared: $(STAMPS)/messages $(STAMPS)/kernels
 	@:
 
 demo: setup ## fly Gupta's Case I through the node graph, record it, audit it, report it, compare it with the paper
@@ -56,10 +65,14 @@ bench: setup .venv-peers/installed .venv-acados/installed ## measure the speed o
 colcon: setup ## build both packages with colcon into build/ and install/
 	@tools/colcon_build.sh $(VENV)
 
-lock: $(STAMPS)/environment ## resolve the dependencies anew into requirements.lock
+COMPILE = pip compile --universal --python-version 3.10 --generate-hashes --no-emit-index-url --no-emit-find-links \
+	--custom-compile-command "make lock" --quiet $(UPGRADE)
+UPGRADE := --upgrade
+
+lock: $(STAMPS)/environment ## resolve the dependencies anew into the lock files; UPGRADE= keeps what is locked
 	@$(BIN)/python -m pip install -qq uv
-	@$(BIN)/uv pip compile setup.py requirements.in --extra export --extra ros --extra view --universal --python-version 3.10 \
-		--generate-hashes --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" --quiet --upgrade --output-file requirements.lock
+	@$(BIN)/uv $(COMPILE) --extra export --extra ros --extra view setup.py requirements.in --output-file requirements.lock
+	@for peers in peers acados; do $(BIN)/uv $(COMPILE) benchmarks/peers/$$peers.txt --output-file benchmarks/peers/$$peers.lock; done
 
 clean: ## remove everything that make and colcon made, but no flight
 	rm -rf $(VENV) .venv-peers .venv-acados build install log *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
@@ -77,21 +90,16 @@ $(STAMPS)/environment:
 		&& rm -rf $(VENV) && "$$python" -m venv $(VENV)
 	@mkdir -p $(STAMPS) && printf '%s' "$(CURDIR)" > $@
 
-# Modules are compiled when first imported: most of what is installed here never is.
-$(STAMPS)/dependencies: requirements.lock $(STAMPS)/environment
-	@echo "== installing the dependencies (about a minute)"
-	@$(BIN)/python -m pip install -qq --no-compile --no-deps --require-hashes -r requirements.lock
-	@$(BIN)/python -m pip check -q
+$(STAMPS)/dependencies: requirements.lock tools/install_locked.sh $(STAMPS)/environment
+	@$(call timed,installing the dependencies,tools/install_locked.sh $(VENV) requirements.lock)
 	@touch $@
 
 $(STAMPS)/messages: $(MESSAGES) tools/build_messages.sh tools/cmake/ros_wheels.cmake $(STAMPS)/dependencies
-	@echo "== building the messages (about half a minute)"
-	@tools/build_messages.sh $(VENV)
+	@$(call timed,building the messages,tools/build_messages.sh $(VENV))
 	@touch $@
 
 $(STAMPS)/package: package.xml setup.py setup.cfg pyproject.toml resource/spacecraft_gnc $(STAMPS)/dependencies
-	@echo "== installing spacecraft_gnc"
-	@$(BIN)/python -m pip install -qq --no-build-isolation --no-deps --editable .
+	@$(call timed,installing spacecraft_gnc,$(BIN)/python -m pip install -qq --no-build-isolation --no-deps --editable .)
 	@mkdir -p $(SHARE)/ament_index/resource_index/packages $(SHARE)/spacecraft_gnc
 	@ln -sfn "$(CURDIR)/resource/spacecraft_gnc" $(SHARE)/ament_index/resource_index/packages/spacecraft_gnc
 	@ln -sfn "$(CURDIR)/package.xml" $(SHARE)/spacecraft_gnc/package.xml
@@ -100,17 +108,14 @@ $(STAMPS)/package: package.xml setup.py setup.cfg pyproject.toml resource/spacec
 
 # Numba notices a changed file, but not that a kernel calls one from a changed file: start afresh.
 $(STAMPS)/kernels: $(KERNELS) $(STAMPS)/dependencies | $(STAMPS)/package
-	@echo "== compiling the kernels (about a minute)"
 	@find spacecraft_gnc -name '*.nb[ci]' -delete
-	@$(BIN)/gnc warmup
+	@$(call timed,compiling the kernels,$(BIN)/gnc warmup --quiet)
 	@touch $@
 
-# The solvers that `make bench` compares with are optional: one that cannot be installed is left out,
-# and tried again the next time. acados' wheel overwrites casadi, hence two environments.
-.venv-%/installed: benchmarks/peers/%.txt $(STAMPS)/environment
-	@echo "== installing solvers to compare with into $(@D) (about a minute)"
+# The solvers that `make bench` compares with are optional: what cannot be installed is left out, and
+# tried again the next time. acados' wheel overwrites casadi, hence two environments.
+.venv-%/installed: benchmarks/peers/%.lock tools/install_locked.sh $(STAMPS)/environment
+	@echo "== installing solvers to compare with into $(@D)"
 	@rm -rf $(@D) && $(BIN)/python -m venv $(@D)
-	@all=yes; for need in $$(sed 's/#.*//' $<); do \
-		$(@D)/bin/python -m pip install -qq "$$need" >$(@D)/log 2>&1 \
-			|| { all=no; echo "$$need cannot be installed here: left out"; }; \
-	done; test $$all = no || touch $@
+	@if tools/install_locked.sh $(@D) $< >$(@D)/log 2>&1; then touch $@; \
+		else echo "$< cannot be installed here: left out; $(@D)/log says why"; fi
