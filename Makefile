@@ -52,7 +52,7 @@ demo: setup ## fly Gupta's Case I through the node graph, record it, audit it, r
 	@$(BIN)/python tools/demo.py
 
 test: lint ## set up, check style and types, run every test
-	@$(BIN)/python -m pytest
+	@$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup --no-loadscope-reorder --durations 10
 
 lint: setup ## check style and types
 	@$(BIN)/ruff check

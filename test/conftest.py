@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from browser import browser, module_browser  # noqa: F401 - fixtures
 from hypothesis import settings
 
@@ -10,3 +11,19 @@ from hypothesis import settings
 settings.register_profile("fixed", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=500)
 settings.load_profile("fixed")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Give workers whole files, and one of them every graph: two at a time would share two cores.
+
+    The graphs come first, for they take longest.
+    """
+    if config.pluginmanager.hasplugin("xdist"):
+        for item in items:
+            graph = item.get_closest_marker("graph") is not None
+            item.add_marker(
+                pytest.mark.xdist_group(
+                    "graph" if graph else f"{item.path.parent.name}/{item.path.name}"
+                )
+            )
+        items.sort(key=lambda item: item.get_closest_marker("graph") is None)
