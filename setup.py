@@ -1,5 +1,6 @@
 """Build description: a stock ament_python package, for colcon and for pip."""
 
+import re
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -9,6 +10,32 @@ NAME = "spacecraft_gnc"
 HERE = Path(__file__).parent
 MANIFEST = ET.parse(HERE / "package.xml").getroot()  # noqa: S314 - our own file
 CONFIG = [f"config/{path.name}" for path in sorted(HERE.glob("config/*"))]
+URLS = {url.get("type"): url.text for url in MANIFEST.findall("url")}
+EXTRAS = {
+    "export": ["pyarrow>=15"],  # gnc export --format parquet
+    "view": ["foxglove-sdk>=0.16"],  # gnc view for the Foxglove app
+    "ros": [
+        "ros-jazzy-rclpy[fastrtps]>=7.1.2",  # first release with working lifecycle transitions
+        "ros-jazzy-action-msgs",
+        "ros-jazzy-diagnostic-msgs",
+        "ros-jazzy-geometry-msgs",
+        "ros-jazzy-lifecycle-msgs",
+        "ros-jazzy-rosgraph-msgs",
+        "ros-jazzy-std-msgs",
+        "ros-jazzy-visualization-msgs",
+    ],
+}
+
+
+def readme() -> str:
+    """Return README.md with its links into the repository made absolute, as an index needs them."""
+    text = (HERE / "README.md").read_text(encoding="utf-8")
+    return re.sub(
+        r"\]\((?![a-z]+:|#)([^)\s]+)\)",
+        lambda link: f"]({URLS['repository']}/raw/main/{link[1]})",
+        text,
+    )
+
 
 setup(
     name=NAME,
@@ -17,6 +44,33 @@ setup(
     maintainer=MANIFEST.findtext("maintainer"),
     maintainer_email=MANIFEST.find("maintainer").get("email"),
     license="Apache-2.0",
+    long_description=readme(),
+    long_description_content_type="text/markdown",
+    url=URLS["website"],
+    project_urls={
+        "Source": URLS["repository"],
+        "Issues": URLS["bugtracker"],
+        "Changelog": f"{URLS['repository']}/blob/main/CHANGELOG.md",
+    },
+    keywords=[
+        "spacecraft",
+        "attitude control",
+        "NMPC",
+        "SO(3)",
+        "reference governor",
+        "ROS 2",
+        "MCAP",
+    ],
+    classifiers=[
+        "Development Status :: 4 - Beta",
+        "Environment :: Console",
+        "Intended Audience :: Science/Research",
+        "Operating System :: POSIX :: Linux",
+        "Programming Language :: Python :: 3",
+        *(f"Programming Language :: Python :: 3.{minor}" for minor in range(10, 15)),
+        "Topic :: Scientific/Engineering",
+        "Typing :: Typed",
+    ],
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={
         NAME: ["py.typed"],
@@ -45,20 +99,7 @@ setup(
         "scipy>=1.11",
         "typer>=0.12",
     ],
-    extras_require={
-        "export": ["pyarrow>=15"],  # gnc export --format parquet
-        "view": ["foxglove-sdk>=0.16"],  # gnc view for the Foxglove app
-        "ros": [
-            "ros-jazzy-rclpy[fastrtps]>=7.1.2",  # first release with working lifecycle transitions
-            "ros-jazzy-action-msgs",
-            "ros-jazzy-diagnostic-msgs",
-            "ros-jazzy-geometry-msgs",
-            "ros-jazzy-lifecycle-msgs",
-            "ros-jazzy-rosgraph-msgs",
-            "ros-jazzy-std-msgs",
-            "ros-jazzy-visualization-msgs",
-        ],
-    },
+    extras_require=EXTRAS | {"all": sorted({need for needs in EXTRAS.values() for need in needs})},
     entry_points={
         "console_scripts": [
             f"gnc = {NAME}.__main__:main",

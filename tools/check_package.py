@@ -1,0 +1,160 @@
+"""A check of the package as a user installs it: sdist and wheel, in clean environments.
+
+Both are built from the files under version control; the wheel built from the sdist has to hold the
+same files. The wheel is then installed alone, with ROS, and with every extra, at the versions of
+the lock, and each environment has to do what it promises and say in one line what it lacks.
+
+usage: python tools/check_package.py
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from email.parser import Parser
+from pathlib import Path
+from typing import Final, NamedTuple
+
+ROOT: Final = Path(__file__).parents[1]
+FLY: Final = ("simulate", "gupta2015_case1", "--set", "plant.duration=2.0", "--quiet")
+NEEDS_ROS: Final = (
+    ("gnc", "launch", "gupta2015_case1"),
+    ("gnc", "inspect", "nodes"),
+    ("gnc", "slew", "--axis", "0", "0", "1", "--angle-deg", "10"),
+    ("gnc", "view"),
+    ("plant",),
+    ("nmpc_controller",),
+    ("reference_governor",),
+    ("recorder",),
+)
+
+
+class Failed(Exception):
+    """The package is not what it should be."""
+
+
+class Result(NamedTuple):
+    """What a command printed and how it ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+def main() -> int:
+    """Build, install and try; return 1 if something is not as it should be."""
+    with tempfile.TemporaryDirectory(prefix="package-") as name:
+        folder = Path(name)
+        try:
+            wheel = build(folder)
+            check_metadata(wheel)
+            for extra in ("", "[ros]", "[all]"):
+                started = time.monotonic()
+                check_installed(folder / f"venv{extra}", f"{wheel}{extra}", extra)
+                print(
+                    f"spacecraft_gnc{extra}: installed and tried, {time.monotonic() - started:.0f} s"
+                )
+        except Failed as error:
+            print(f"error: {error}", file=sys.stderr)
+            return 1
+    return 0
+
+
+def build(folder: Path) -> Path:
+    """Build sdist and wheel; return the wheel."""
+    tree, dist = folder / "tree", folder / "dist"
+    for name in succeed("git", "-C", ROOT, "ls-files").splitlines():
+        (tree / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, tree / name)
+    succeed(sys.executable, "setup.py", "-q", "sdist", "-d", dist, cwd=tree)
+    (sdist,) = dist.iterdir()
+    for source, out in ((tree, folder / "from_tree"), (sdist, folder / "from_sdist")):
+        pip = (sys.executable, "-m", "pip", "wheel", "-qq", "--no-deps", "--no-build-isolation")
+        succeed(*pip, "-w", out, source)
+    (wheel,), (second,) = (sorted((folder / n).iterdir()) for n in ("from_tree", "from_sdist"))
+    if missing := set(names(wheel)) ^ set(names(second)):
+        raise Failed(f"{sdist.name}: its wheel differs in {sorted(missing)}")
+    return wheel
+
+
+def check_metadata(wheel: Path) -> None:
+    """Check what an index shows of the package."""
+    (file,) = (name for name in names(wheel) if name.endswith(".dist-info/METADATA"))
+    with zipfile.ZipFile(wheel) as archive:
+        metadata = Parser().parsestr(archive.read(file).decode())
+    for field in ("Description-Content-Type", "Project-URL", "Classifier", "License", "Keywords"):
+        if metadata[field] is None:
+            raise Failed(f"{wheel.name}: its metadata has no {field}")
+    if relative := re.findall(r"\]\((?![a-z]+:|#)[^)]*\)", metadata.get_payload()):
+        raise Failed(f"{wheel.name}: relative links in the description: {relative}")
+
+
+def check_installed(venv: Path, requirement: str, extra: str) -> None:
+    """Install into a new environment, and try what it has and what it lacks."""
+    succeed(sys.executable, "-m", "venv", venv)
+    lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    pins = re.findall(r"^[A-Za-z0-9][^\\\n]*", lock, flags=re.MULTILINE)
+    constraints = venv / "constraints.txt"
+    constraints.write_text("\n".join(pins), encoding="utf-8")
+    succeed(venv / "bin" / "python", "-m", "pip", "install", "-qq", "-c", constraints, requirement)
+    succeed(venv / "bin" / "python", "-m", "pip", "check", "-q")
+    gnc, flight = venv / "bin" / "gnc", venv / "flight.npz"
+    succeed(gnc, "check", "gupta2015_case1")
+    # Interpreted, for a flight of five steps: compiling takes a minute, and set-up has done it.
+    succeed(gnc, *FLY, "--out", flight, cwd=venv, NUMBA_DISABLE_JIT="1")
+    succeed(gnc, "report", flight, "--out", venv / "report.html", NUMBA_DISABLE_JIT="1")
+    lacking = "make setup" if extra else "pip install 'spacecraft_gnc[ros]'"
+    for command in NEEDS_ROS:
+        refuse(lacking, venv / "bin" / command[0], *command[1:], cwd=venv)
+    if (venv / "runs").exists():
+        raise Failed(f"gnc launch of a package without ROS left {venv / 'runs'}")
+    for module, named in (("rclpy", "[ros]"), ("pyarrow", "[all]"), ("foxglove", "[all]")):
+        expected = 0 if extra in (named, "[all]") else 1
+        if run(venv / "bin" / "python", "-c", f"import {module}").code != expected:
+            raise Failed(f"spacecraft_gnc{extra}: import {module} should end with {expected}")
+
+
+def refuse(remedy: str, *command: str | Path, cwd: Path) -> None:
+    """Run a command that cannot work here: one line that says what to do, exit code 2."""
+    result = run(*command, cwd=cwd)
+    lines = result.err.splitlines()
+    if result.code != 2 or len(lines) != 1 or remedy not in lines[0]:
+        raise Failed(
+            f"{' '.join(map(str, command))}: ended with {result.code} and {result.err!r}; required "
+            f"2 and one line with {remedy!r}"
+        )
+
+
+def succeed(*command: str | Path, cwd: Path | None = None, **variables: str) -> str:
+    """Run a command that has to end well; return what it printed."""
+    result = run(*command, cwd=cwd, **variables)
+    if result.code != 0:
+        shown = " ".join(map(str, command))
+        raise Failed(f"{shown}: ended with {result.code}:\n{result.out}{result.err}")
+    return result.out
+
+
+def run(*command: str | Path, cwd: Path | None = None, **variables: str) -> Result:
+    """Run a command without the checkout or another environment in its way."""
+    hidden = ("PYTHONPATH", "AMENT_PREFIX_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+    environment = {name: value for name, value in os.environ.items() if name not in hidden}
+    done = subprocess.run(
+        command, cwd=cwd, env=environment | variables, capture_output=True, text=True, check=False
+    )
+    return Result(done.returncode, done.stdout, done.stderr)
+
+
+def names(wheel: Path) -> list[str]:
+    """Return the files of a wheel."""
+    with zipfile.ZipFile(wheel) as archive:
+        return archive.namelist()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
