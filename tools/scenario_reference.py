@@ -31,8 +31,38 @@ one run.
 - Matrices are row-major, 9 numbers; a weight may also be one number `s`, which stands for `s I`.
 - Angles are in radians unless the name ends in `_deg`. Vectors are in the body frame unless the
   description says otherwise.
-- `/**` gives values to every node that has the parameter, as in ROS 2.
 - A vehicle, method or governor of another package takes its parameters from `plugin.<name>`.
+
+## Which node a section is for
+
+`check`, `simulate`, `launch` and the nodes read what rclpy gives each node (rclpy 7.1, Jazzy; a
+test compares every form with live nodes). A section's name is a pattern of full node names:
+
+| section | nodes that are given its values |
+|---|---|
+| `plant`, `/plant` | `/plant`, not `/sat1/plant` |
+| `/sat1/plant`, `sat1/plant`, or `plant:` nested beneath `sat1:` | `/sat1/plant` |
+| `/**`, `'**'` | every node |
+| `/*`, `'*'` | every node in the root namespace |
+| `/**/plant`, or `plant:` nested beneath `/**:` | `/plant`, `/sat1/plant`, `/a/b/plant` |
+| `/*/plant`, or `plant:` nested beneath `/*:` | `/sat1/plant`, not `/plant`, not `/a/b/plant` |
+| `/sat1/*` | every node whose namespace is `/sat1` |
+| `/sat1/**` | every node in `/sat1` or in a namespace beneath it |
+
+- Sections that match the same node are laid over each other **in the order of the file**, and the
+  last value wins: a `/**` below `plant` replaces the values of `plant`. Write wildcards first.
+- Of several `--params-file` a section keeps the place at which its name first appeared, and takes
+  the later value. `-p name:=value` is laid into `/**`, `-p node:name:=value` into `/node`, each at
+  the place of that section, at the end if there is none.
+- A wildcard gives a node all its values, also those that only another node knows; a node ignores
+  these. A value that no node knows is refused.
+- `--namespace sat1` reads the sections as nodes in `/sat1` do. Without it the nodes are those of
+  the root, or of the only namespace that the file names. A section that matches none is told.
+- Refused although ROS 2 takes it, because part of it would be lost without a word: the same section
+  or key twice in one file, keys beside `ros__parameters`, sections of unknown nodes.
+- `gnc launch` starts its nodes in the root namespace. It hands them the file itself, or, where
+  that would not give them these values (options, another namespace, a wildcard that comes last),
+  the `scenario.yaml` that it writes into the folder of the run.
 """
 
 

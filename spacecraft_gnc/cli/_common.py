@@ -32,6 +32,12 @@ SetOption = Annotated[
         help="Replace a value of the scenario; VALUE is YAML. May be given several times.",
     ),
 ]
+SpacecraftOption = Annotated[
+    str | None,
+    typer.Option(
+        "--namespace", metavar="NAME", help="Of the spacecraft, where the file names several."
+    ),
+]
 NamespaceOption = Annotated[
     str | None,
     typer.Option(
@@ -147,6 +153,12 @@ def print_table(rows: Iterable[tuple[str, str]]) -> None:
     width = max((len(label) for label, _ in table), default=0)
     for label, text in table:
         print(f"  {label:<{width}}  {text}")
+
+
+def tell_warnings(scenario: Scenario) -> None:
+    """Print on stderr what to know before a scenario flies."""
+    for text in scenario.warnings:
+        print(f"warning: {text}", file=sys.stderr)
 
 
 def print_error(error: Exception | str) -> None:

@@ -15,8 +15,10 @@ from spacecraft_gnc.cli._common import (
     QuietOption,
     ScenarioArgument,
     SetOption,
+    SpacecraftOption,
     print_json,
     print_table,
+    tell_warnings,
 )
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 def check(
     scenario: ScenarioArgument,
     overrides: SetOption = None,
+    namespace: SpacecraftOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -34,17 +37,19 @@ def check(
     from spacecraft_gnc.scenario import InvalidScenario, load
 
     try:
-        checked = load(scenario, overrides or ())
+        checked = load(scenario, overrides or (), namespace)
         checked.check_cores()
     except InvalidScenario as error:
         if not as_json:
             raise
         problems = [problem.as_dict() for problem in error.problems]
-        print_json({"scenario": str(scenario), "ok": False, "problems": problems})
+        print_json({"scenario": str(scenario), "ok": False, "problems": problems, "warnings": []})
         raise typer.Exit(error.exit_code) from None
     if as_json:
-        print_json({"scenario": str(scenario), "ok": True, "problems": [], **facts(checked)})
+        told = {"problems": [], "warnings": list(checked.warnings)}
+        print_json({"scenario": str(scenario), "ok": True, **told, **facts(checked)})
     elif not quiet:
+        tell_warnings(checked)
         print(f"{scenario}: can fly")
         print_table(_rows(checked))
 

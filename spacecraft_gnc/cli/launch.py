@@ -15,9 +15,11 @@ from spacecraft_gnc.cli._common import (
     QuietOption,
     ScenarioArgument,
     SetOption,
+    SpacecraftOption,
     print_error,
     print_json,
     print_table,
+    tell_warnings,
 )
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
@@ -54,6 +56,7 @@ def launch(
     duration: DurationOption = None,
     composed: ComposedOption = False,
     overrides: SetOption = None,
+    namespace: SpacecraftOption = None,
     no_record: NoRecordOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -67,7 +70,9 @@ def launch(
         *([f"plant.duration={duration}"] if duration is not None else []),
         *(["launcher.composed=true"] if composed else []),
     ]
-    plan = make_plan(scenario, changes, out=out, record=not no_record)
+    plan = make_plan(scenario, changes, namespace=namespace, out=out, record=not no_record)
+    if not (quiet or as_json):
+        tell_warnings(plan.scenario)
     launcher = Launcher(plan, choose(quiet=quiet or as_json), born)
     try:
         outcome = launcher.run()
@@ -164,6 +169,7 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         "bags": list(outcome.bags),
         "messages_lost": sum(sum(read_losses(Path(bag)).values()) for bag in outcome.bags),
         "topics_never_published": _never_published(plan, outcome),
+        "warnings": list(plan.scenario.warnings),
         "logs": plan.logs,
     }
 

@@ -15,9 +15,11 @@ from spacecraft_gnc.cli._common import (
     RunFailed,
     ScenarioArgument,
     SetOption,
+    SpacecraftOption,
     print_json,
     print_table,
     require_writable,
+    tell_warnings,
 )
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import GncError, ParameterError
@@ -44,6 +46,7 @@ def simulate(
     scenario: ScenarioArgument,
     out: OutOption = None,
     overrides: SetOption = None,
+    namespace: SpacecraftOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -51,9 +54,11 @@ def simulate(
     from spacecraft_gnc.analysis.metrics import summarize
     from spacecraft_gnc.scenario import load
 
-    checked = load(scenario, overrides or ())
+    checked = load(scenario, overrides or (), namespace)
     if out is not None:
         require_writable(out, ".npz")
+    if not (quiet or as_json):
+        tell_warnings(checked)
     require_memory(checked.n_steps)
     loop = checked.build()
     for core in (loop.plant, loop.controller, loop.governor):
@@ -67,7 +72,7 @@ def simulate(
         return
     metrics = {"scenario": str(scenario), **summarize(trajectory, checked), "wall_time": wall_time}
     if as_json:
-        print_json({**metrics, "out": out})
+        print_json({**metrics, "warnings": list(checked.warnings), "out": out})
     else:
         print(f"{scenario}: flown in {wall_time:.3g} s")
         print_table(summary_rows(metrics))

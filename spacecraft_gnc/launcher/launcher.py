@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.launcher import domain, environment
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused, Outcome
-from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan
+from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan, node_options
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
 from spacecraft_gnc.launcher.progress import Display
 
@@ -120,10 +120,9 @@ class Launcher:
         arguments = ["-m", f"spacecraft_gnc.nodes.{module}"]
         arguments += self.plan.nodes if name == COMPOSED else []
         arguments += ["--ros-args", "--params-file", str(self.plan.parameter_file)]
-        arguments += ["-p", f"autostart:={str(autostart).lower()}"]
-        if self._bags:
-            folder = self._bags[-1].resolve()
-            arguments += ["-p", f"{RECORDER}:storage_folder:={folder}"]
+        bag = self._bags[-1] if self._bags else self.plan.bag
+        for option in node_options(autostart, bag.resolve()):
+            arguments += ["-p", option]
         log = self.plan.logs / f"{name}.log"
         self._processes[name] = NodeProcess(name, arguments, self._environment, log)
 

@@ -15,7 +15,11 @@ from typing import Any, ClassVar, Final
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 from spacecraft_gnc.scenario import Scenario, load
-from spacecraft_gnc.scenario.schema import NODE_NAMES
+from spacecraft_gnc.scenario.checked import plain_values
+from spacecraft_gnc.scenario.declare import flatten
+from spacecraft_gnc.scenario.node_sections import given_to, lay_over, node_names, read_files
+from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
+from spacecraft_gnc.scenario.yaml_scalar import emit
 
 PLANT: Final = "plant"
 RECORDER: Final = "recorder"
@@ -40,7 +44,8 @@ class LaunchPlan:
     scenario
         What will fly, overrides included.
     parameter_file
-        The file that every node reads: the user's own, or one in ``out`` with overrides merged in.
+        The file that every node reads: the user's own, or one in ``out`` with the values that fly,
+        where ROS 2 would give the nodes others.
     out
         Folder of this run: bag, logs.
     nodes
@@ -81,9 +86,16 @@ class LaunchPlan:
 
 
 def make_plan(
-    path: Path, overrides: Sequence[str] = (), *, out: Path | None = None, record: bool = True
+    path: Path,
+    overrides: Sequence[str] = (),
+    *,
+    namespace: str | None = None,
+    out: Path | None = None,
+    record: bool = True,
 ) -> LaunchPlan:
     """Check a scenario, create the folder of its run and return the plan.
+
+    The nodes run in the root namespace, also with the sections of another one.
 
     Raises
     ------
@@ -92,7 +104,7 @@ def make_plan(
     LaunchRefused
         The folder cannot be used, or there is no plant to fly.
     """
-    scenario = load(path, overrides)
+    scenario = load(path, overrides, namespace)
     nodes = tuple(n for n in scenario.launcher.nodes if record or n != RECORDER)
     if PLANT not in nodes:
         raise LaunchRefused(
@@ -108,8 +120,9 @@ def make_plan(
     if any(_DURATION.match(text) for text in overrides):
         changes["launcher.cut_short"] = "true"
     parameter_file = path.resolve()
-    if overrides or changes:
-        merged = load(path, [*overrides, *(f"{key}={value}" for key, value in changes.items())])
+    if overrides or changes or not _is_read_as(scenario, path):
+        words = [*overrides, *(f"{key}={value}" for key, value in changes.items())]
+        merged = load(path, words, namespace)
         parameter_file = folder / RUN_SCENARIO
         parameter_file.write_text(merged.to_yaml(defaults=True), encoding="utf-8")
         scenario = merged
@@ -121,6 +134,29 @@ def make_plan(
         composed=scenario.launcher.composed,
         restart=scenario.launcher.on_node_death == "restart" and not scenario.launcher.composed,
     )
+
+
+def node_options(autostart: bool, bag: Path) -> list[str]:
+    """Return what the launcher lays over the parameter file of a node, as values of ``-p``."""
+    return [f"autostart:={emit(autostart)}", f"{RECORDER}:storage_folder:={emit(str(bag))}"]
+
+
+def _is_read_as(scenario: Scenario, path: Path) -> bool:
+    """Tell whether the nodes, given a file and the launcher's options, fly a scenario.
+
+    They would not if its sections are those of another namespace, or if one of them comes after
+    those that the options are laid into.
+    """
+    bag = Path("bag")
+    sections = read_files([path])
+    for option in node_options(False, bag):
+        lay_over(sections, option)
+    given = plain_values(given_to(sections, node_names()))
+    wanted = {name: flatten(scenario.sections.get(name, {})) for name in SECTIONS}
+    for name in NODE_NAMES:
+        wanted[name]["autostart"] = False
+    wanted[RECORDER]["storage_folder"] = str(bag)
+    return {name: given.get(name, {}) for name in SECTIONS} == wanted
 
 
 def _make_folder(scenario: Path, out: Path | None) -> Path:

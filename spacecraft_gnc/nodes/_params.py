@@ -12,11 +12,22 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
+from spacecraft_gnc.scenario import InvalidScenario, Problem, Scenario, from_sections
+from spacecraft_gnc.scenario.checked import plain_values
 from spacecraft_gnc.scenario.declare import declarations
+from spacecraft_gnc.scenario.node_sections import (
+    OPTION,
+    given_to,
+    lay_over,
+    matches,
+    node_names,
+    read_files,
+)
 from spacecraft_gnc.scenario.parameter import Kind, ParameterSpec, Value
+from spacecraft_gnc.scenario.yaml_file import Sections
 
-_WILDCARD = "/**"
+_FILE = "--params-file"
+_OPTIONS = ("-p", "--param")
 _RANGE_END = 1.7976931348623157e308
 ROS_OWN = ("use_sim_time", "start_type_description_service")
 """Parameters that every node has, of no concern to a scenario."""
@@ -25,32 +36,69 @@ ROS_OWN = ("use_sim_time", "start_type_description_service")
 def parameter_files(arguments: Sequence[str]) -> Iterator[Path]:
     """Paths after ``--params-file`` on a command line."""
     for flag, value in pairwise(arguments):
-        if flag == "--params-file":
+        if flag == _FILE:
             yield Path(value)
 
 
-def load_scenario(node: Node, section: str, arguments: Sequence[str] = ()) -> Scenario:
+def command_line(arguments: Sequence[str]) -> Sections:
+    """Return the sections that a command line gives its nodes, by files and by ``-p``.
+
+    Raises
+    ------
+    ScenarioError
+        If a file cannot be read, or holds keys that ROS 2 could not use.
+    """
+    sections: Sections = {}
+    for flag, value in pairwise(arguments):
+        if flag == _FILE:
+            for pattern, entries in read_files([Path(value)]).items():
+                sections.setdefault(pattern, {}).update(entries)
+        elif flag in _OPTIONS:
+            lay_over(sections, value)
+    return sections
+
+
+def load_scenario(node: Node, section: str) -> Scenario:
     """Return the checked scenario that a node was started with, and declare its parameters.
 
-    The node's own section is what ROS 2 gave it (files, ``-p``, remapped names); the other sections
-    are read from the files on the command line, so that one file describes the whole graph.
+    The command line tells what ROS 2 gives this node and the others of its namespace, so that one
+    file describes the whole graph.
 
     Raises
     ------
     ScenarioError
         With every problem at once.
     """
-    files = list(parameter_files(arguments or sys.argv))
-    sections: dict[str, dict[str, Any]] = {}
-    for file in files:
-        for name, values in read_sections(file).items():
-            sections.setdefault(name, {}).update(values)
-    sections.pop(_WILDCARD, None)
-    own = sections.setdefault(section, {})
-    own.update(given_parameters(node))
-    scenario = from_sections(sections, str(files[0]) if files else node.get_name())
+    sections = command_line(sys.argv)
+    own_name = node.get_fully_qualified_name()
+    names = node_names(node.get_namespace())
+    nodes = {name: role for name, role in names.items() if role != section} | {own_name: section}
+    problems: list[Problem] = []
+    given = given_to(sections, nodes, problems)
+    if problems:
+        raise InvalidScenario(problems)
+    values = plain_values(given)
+    own = values.setdefault(section, {})
+    shared = _names_in_files(sections, own_name)
+    for name, value in given_parameters(node).items():
+        # ROS 2 has no empty list: it gives None; and it gives all of a wildcard to every node
+        if value is not None and (name in own or name not in shared):
+            own[name] = value
+    files = list(parameter_files(sys.argv))
+    scenario = from_sections(values, str(files[0]) if files else node.get_name())
     _declare(node, section, scenario)
     return scenario
+
+
+def _names_in_files(sections: Sections, node: str) -> set[str]:
+    """Return the parameters that files give a node, wanted or not."""
+    return {
+        name
+        for pattern, entries in sections.items()
+        if matches(pattern, node)
+        for name, entry in entries.items()
+        if entry.file != OPTION
+    }
 
 
 def given_parameters(node: Node) -> dict[str, Any]:

@@ -32,8 +32,7 @@ from rclpy.utilities import remove_ros_args
 from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
 from spacecraft_gnc.launcher.environment import SUPERVISED, TELL_WHERE, prepare
 from spacecraft_gnc.nodes._node import GncNode
-from spacecraft_gnc.nodes._params import given_parameters, parameter_files
-from spacecraft_gnc.scenario import read_sections
+from spacecraft_gnc.nodes._params import command_line, given_parameters
 
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
 _RCLError = rclpy_implementation.RCLError  # has no public name
@@ -133,8 +132,7 @@ class _StopRequest:
 
 def _check_arguments(argv: Sequence[str]) -> None:
     """Refuse what ROS 2 would refuse without saying where and why."""
-    for file in parameter_files(argv):
-        read_sections(file)
+    command_line(argv)
     name = Path(argv[0]).name
     remedy = f"write {name} --ros-args --params-file config/SCENARIO.yaml"
     try:

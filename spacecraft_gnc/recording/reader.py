@@ -25,6 +25,7 @@ from spacecraft_gnc.recording.steps import (
     SOLVER_STATUS,
     STATE,
     TORQUE,
+    flight_namespace,
 )
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Array
@@ -125,7 +126,7 @@ def read_flight(
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         columns = read_columns(bag, _TOPICS, namespace, progress, leave_out=_PLANS)
         text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
-        scenario, problem = parse_scenario(text, bag.path)
+        scenario, problem = parse_scenario(text, bag.path, flight_namespace(bag, namespace))
         torques = acted(columns)
         n = whole_steps(bag, columns, torques)
         info = RunInfo(

@@ -80,8 +80,8 @@ class RunInfo:
         return lines
 
 
-def parse_scenario(text: str, source: Path) -> tuple[Scenario | None, str]:
-    """Return the scenario in a text and, if it is refused, the first reason."""
+def parse_scenario(text: str, source: Path, namespace: str) -> tuple[Scenario | None, str]:
+    """Return the scenario of a namespace in a text and, if it is refused, the first reason."""
     if not text:
         return None, ""
     with TemporaryDirectory(prefix="gnc_scenario_") as folder:
@@ -89,7 +89,7 @@ def parse_scenario(text: str, source: Path) -> tuple[Scenario | None, str]:
         file.write_text(text, encoding="utf-8")
         try:
             # as the nodes read it: a flight may have been cut short on purpose
-            scenario = from_sections(read_sections(file), str(file))
+            scenario = from_sections(read_sections(file, namespace), str(file))
         except GncError as error:
             return None, str(error).splitlines()[0].replace(str(file), SCENARIO_ATTACHMENT)
     return replace(scenario, path=f"{source}/{SCENARIO_ATTACHMENT}"), ""

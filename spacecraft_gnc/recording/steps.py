@@ -58,7 +58,7 @@ def flight_topics(bag: Bag, names: Iterable[str], namespace: str | None = None) 
         If the bag is of another package, holds several spacecraft, or a topic has another type or
         another version of its type.
     """
-    prefix = _namespace(bag, namespace)
+    prefix = flight_namespace(bag, namespace)
     topics = {f"{prefix}/{name}": name for name in names if f"{prefix}/{name}" in bag.topics}
     for topic, name in topics.items():
         _check_type(bag, topic, TYPES[name])
@@ -73,7 +73,7 @@ def namespace_topics(bag: Bag, namespace: str | None = None) -> dict[str, str]:
     RecordingError
         If the bag holds no spacecraft, or several.
     """
-    prefix = f"{_namespace(bag, namespace)}/"
+    prefix = f"{flight_namespace(bag, namespace)}/"
     return {name.removeprefix(prefix): name for name in bag.topics if name.startswith(prefix)}
 
 
@@ -92,7 +92,7 @@ def _check_type(bag: Bag, topic: str, required: str) -> None:
         )
 
 
-def _namespace(bag: Bag, namespace: str | None) -> str:
+def flight_namespace(bag: Bag, namespace: str | None) -> str:
     """Return the prefix, without the last slash, of the flight's topics."""
     prefixes = [
         topic.removesuffix(f"/{STATE}") for topic in bag.topics if topic.endswith(f"/{STATE}")

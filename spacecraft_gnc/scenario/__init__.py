@@ -1,6 +1,6 @@
 """One scenario: a ROS 2 parameter file, checked without ROS, and the cores built from it."""
 
-from spacecraft_gnc.scenario.load import from_sections, load, overlay, read_sections, revise
+from spacecraft_gnc.scenario.load import from_sections, load, read_sections, revise
 from spacecraft_gnc.scenario.problems import InvalidScenario, Problem
 from spacecraft_gnc.scenario.scenario import Scenario
 
@@ -10,7 +10,6 @@ __all__ = [
     "Scenario",
     "from_sections",
     "load",
-    "overlay",
     "read_sections",
     "revise",
 ]

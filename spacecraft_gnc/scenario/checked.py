@@ -17,7 +17,7 @@ from spacecraft_gnc.scenario.parameter import Value
 from spacecraft_gnc.scenario.problems import Problem, shown, suggestion
 from spacecraft_gnc.scenario.schema import SECTIONS
 from spacecraft_gnc.scenario.values import Refusal, admissible
-from spacecraft_gnc.scenario.yaml_file import WILDCARD, Entry, Given
+from spacecraft_gnc.scenario.yaml_file import Entry, Given
 
 
 @dataclass(slots=True)
@@ -27,7 +27,7 @@ class Checked:
     source: str
     """File (or caller) to blame for what is missing."""
     given: Given
-    """By section; the wildcard section is merged beneath each."""
+    """By section: what ROS 2 gives each node."""
     problems: list[Problem]
     values: dict[str, dict[str, Value]] = field(default_factory=dict)
     """Section -> every parameter by dotted name, defaults included; refused ones are absent."""
@@ -71,7 +71,7 @@ class Checked:
 
 def check_values(given: Given, source: str, problems: list[Problem]) -> Checked:
     """Check every value by itself and fill in the defaults."""
-    checked = Checked(source, _merge_wildcard(given, problems), problems)
+    checked = Checked(source, given, problems)
     for section in SECTIONS:
         checked.values[section] = {}
         for name, entry in checked.given.get(section, {}).items():
@@ -85,29 +85,6 @@ def all_declarations(checked: Checked, section: str) -> tuple[Declaration, ...]:
     """Return the declarations of a section, with the zones and plug-in parameters given."""
     zones = checked.zone_names() if section == "nmpc_controller" else ()
     return declarations(section, zones, checked.plugin(section))
-
-
-def _merge_wildcard(given: Given, problems: list[Problem]) -> Given:
-    """Put the entries of ``/**`` beneath each section that knows them, as ROS 2 does."""
-    merged = {section: dict(entries) for section, entries in given.items() if section != WILDCARD}
-    for name, entry in given.get(WILDCARD, {}).items():
-        users = [
-            section
-            for section in SECTIONS
-            if is_ros_own(section, name) or spec_of(section, name, entry.value) is not None
-        ]
-        for section in users:
-            if section in merged or not is_ros_own(section, name):
-                merged.setdefault(section, {}).setdefault(name, entry)
-        if not users:
-            known = sorted({known for section in SECTIONS for known in known_names(section)})
-            key = f"{WILDCARD}.{name}"
-            need = "a parameter of at least one node"
-            remedy = suggestion(name, known)
-            problems.append(
-                Problem(entry.file, entry.line, key, "an unknown parameter", need, remedy)
-            )
-    return merged
 
 
 def _check_entry(checked: Checked, section: str, name: str, entry: Entry) -> None:
@@ -143,7 +120,7 @@ def _fill_in(checked: Checked, section: str, declaration: Declaration) -> None:
             checked.complain(section, name, received, spec.requirement, "add it")
 
 
-def merged_sections(given: Mapping[str, Mapping[str, Entry]]) -> dict[str, dict[str, Value]]:
+def plain_values(given: Mapping[str, Mapping[str, Entry]]) -> dict[str, dict[str, Value]]:
     """Return the plain values by section and dotted name."""
     return {
         section: {name: entry.value for name, entry in entries.items() if entry.value is not None}

@@ -6,10 +6,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from spacecraft_gnc.scenario.checked import Checked, check_values, merged_sections
+from spacecraft_gnc.scenario.checked import Checked, check_values, plain_values
 from spacecraft_gnc.scenario.checks import check_all
 from spacecraft_gnc.scenario.checks_method import unread_by
 from spacecraft_gnc.scenario.declare import flatten, spec_of, unflatten
+from spacecraft_gnc.scenario.node_sections import (
+    ROOT,
+    given_to,
+    namespace_of,
+    node_names,
+    read_files,
+    unread,
+)
 from spacecraft_gnc.scenario.parameter import Value, specs_of, typed
 from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
 from spacecraft_gnc.scenario.scenario import Scenario
@@ -24,14 +32,14 @@ from spacecraft_gnc.scenario.schema import (
     ZoneParameters,
 )
 from spacecraft_gnc.scenario.values import plain
-from spacecraft_gnc.scenario.yaml_file import WILDCARD, Entry, Given, parse_value, read
+from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, parse_value, read
 
 _CONTROLLER: Final = "nmpc_controller"
 Overrides = Mapping[str, Any] | Sequence[str]
 """``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``."""
 
 
-def load(path: str | Path, overrides: Overrides = ()) -> Scenario:
+def load(path: str | Path, overrides: Overrides = (), namespace: str | None = None) -> Scenario:
     """Read and check a scenario file.
 
     Parameters
@@ -40,61 +48,44 @@ def load(path: str | Path, overrides: Overrides = ()) -> Scenario:
         ROS 2 parameter file.
     overrides : mapping or sequence of str
         Values that replace those of the file; an integer may stand for a double here.
+    namespace : str, optional
+        Of the nodes that the file is for; by default the root, or the only one that it names.
 
     Raises
     ------
     InvalidScenario
         With every problem of the file and of the overrides at once.
     """
-    given, problems = read(Path(path), tuple(SECTIONS))
+    sections, problems = read(Path(path), tuple(SECTIONS))
+    nodes = node_names(namespace_of(sections, str(path)) if namespace is None else namespace)
+    given = given_to(sections, nodes, problems)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
     _apply(overrides, given, problems)
-    return _scenario(given, str(path), problems)
+    return _scenario(given, str(path), problems, _warnings(sections, nodes, str(path)))
 
 
-def read_sections(path: str | Path) -> dict[str, dict[str, Value]]:
-    """Return the sections of a file, by dotted name, without checking the values.
+def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, dict[str, Value]]:
+    """Return what a file gives each node, by dotted name, without checking the values.
 
-    A node lays its own ROS 2 parameters over these and hands them to `from_sections`. The wildcard
-    section ``/**`` is among them.
+    Parameters
+    ----------
+    path : str or Path
+        ROS 2 parameter file.
+    namespace : str, optional
+        Of the nodes, where the file names several.
 
     Raises
     ------
     InvalidScenario
         If the file cannot be read, or holds keys that ROS 2 could not use.
     """
-    given, problems = read(Path(path), tuple(SECTIONS))
+    sections = read_files([Path(path)])
+    problems: list[Problem] = []
+    nodes = node_names(namespace_of(sections, str(path), namespace))
+    given = given_to(sections, nodes, problems)
     if problems:
         raise InvalidScenario(problems)
-    return merged_sections(given)
-
-
-def overlay(
-    sections: Mapping[str, Mapping[str, Any]], section: str, values: Mapping[str, Any]
-) -> dict[str, Mapping[str, Any]]:
-    """Lay what ROS 2 gave a live node over the sections of its files.
-
-    ROS 2 gives a node all of ``/**``, also what is meant for others, and nothing (None) for an
-    empty list: neither must surprise `from_sections`.
-
-    Parameters
-    ----------
-    sections : mapping
-        From `read_sections`.
-    section : str
-        The node's own.
-    values : mapping
-        Dotted name -> value, as ROS 2 has them.
-    """
-    wildcard = sections.get(WILDCARD, {})
-    own = dict(sections.get(section, {}))
-    for name, value in values.items():
-        spec = spec_of(section, name, value)
-        if spec is None and name in wildcard:
-            continue
-        is_empty_list = value is None and spec is not None and spec.shape
-        own[name] = [] if is_empty_list else value
-    return {**sections, section: own}
+    return plain_values(given)
 
 
 def from_sections(
@@ -119,7 +110,7 @@ def from_sections(
     given: Given = {}
     problems: list[Problem] = []
     for section, values in sections.items():
-        if section not in (*SECTIONS, WILDCARD):
+        if section not in SECTIONS:
             remedy = suggestion(section, tuple(SECTIONS))
             need = f"one of {', '.join(SECTIONS)}"
             problems.append(Problem(source, None, section, "an unknown node", need, remedy))
@@ -201,13 +192,22 @@ def _entries(values: Mapping[str, Any], source: str) -> dict[str, Entry]:
     }
 
 
-def _scenario(given: Given, source: str, problems: list[Problem]) -> Scenario:
+def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[str]:
+    """Name the sections that no node reads."""
+    names = ", ".join(unread(sections, nodes))
+    namespace = next(iter(nodes)).rpartition("/")[0] or ROOT
+    return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []
+
+
+def _scenario(
+    given: Given, source: str, problems: list[Problem], warnings: Sequence[str] = ()
+) -> Scenario:
     checked = check_values(given, source, problems)
     check_all(checked)
     if problems:
         raise InvalidScenario(sorted(problems, key=_place))
     plant = PlantParameters(**_typed(PlantParameters, checked, "plant"))
-    sections = merged_sections(checked.given)
+    sections = plain_values(checked.given)
     return Scenario(
         plant=plant,
         controller=_controller(checked, plant),
@@ -217,6 +217,7 @@ def _scenario(given: Given, source: str, problems: list[Problem]) -> Scenario:
         path=source,
         sections={section: unflatten(values) for section, values in sections.items()},
         values=checked.values,
+        warnings=tuple(warnings),
     )
 
 

@@ -45,9 +45,11 @@ class Scenario:
     path : str
         Where it comes from.
     sections : mapping
-        What was given, by section, nested as in the file, with overrides and ``/**`` merged in.
+        What was given, by section, nested as in the file, with overrides and wildcards merged in.
     values : mapping
         Every parameter by section and dotted name in its ROS 2 form, defaults included.
+    warnings : tuple of str
+        What to know before it flies, one line each.
     """
 
     plant: PlantParameters
@@ -58,6 +60,7 @@ class Scenario:
     path: str
     sections: Mapping[str, Mapping[str, Any]]
     values: Mapping[str, Mapping[str, Value]]
+    warnings: tuple[str, ...] = ()
 
     @property
     def period(self) -> float:

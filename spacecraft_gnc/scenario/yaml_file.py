@@ -6,10 +6,11 @@ silently takes the last), YAML tags, and nodes it does not know.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Final, NamedTuple, TypeGuard
 
 import yaml
 
@@ -17,9 +18,11 @@ from spacecraft_gnc.scenario.parameter import Value
 from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, suggestion
 from spacecraft_gnc.scenario.yaml_node import compose, compose_file, convert, raw, unreadable
 
-PARAMETERS_KEY = "ros__parameters"
-WILDCARD = "/**"
-_EXAMPLE = "copy an example from config/"
+PARAMETERS_KEY: Final = "ros__parameters"
+_EXAMPLE: Final = "copy an example from config/"
+_WILDCARDS: Final = ("*", "**")
+_NODE_NAME: Final = re.compile(r"(/(\*\*?|[A-Za-z_][A-Za-z0-9_]*))+")
+_LONGEST_NAME: Final = 245  # characters; the same limit as that of rmw
 
 
 class Entry(NamedTuple):
@@ -34,12 +37,15 @@ class Entry(NamedTuple):
     """An integer may stand for a double: true for ``--set``, false for a file handed to ROS 2."""
 
 
+Sections = dict[str, dict[str, Entry]]
+"""Pattern of full node names (``/**``, ``/plant``) -> dotted parameter name -> entry, in the order
+in which ROS 2 lays the patterns over each other."""
 Given = dict[str, dict[str, Entry]]
-"""Section -> dotted parameter name -> entry."""
+"""Role of a node (``plant``) -> dotted parameter name -> entry."""
 
 
-def read(path: Path, known: Sequence[str]) -> tuple[Given, list[Problem]]:
-    """Read a parameter file with the sections ``known``; return what was found and what is wrong.
+def read(path: Path, known: Sequence[str]) -> tuple[Sections, list[Problem]]:
+    """Read a parameter file of the nodes ``known``; return what was found and what is wrong.
 
     Raises
     ------
@@ -52,7 +58,7 @@ def read(path: Path, known: Sequence[str]) -> tuple[Given, list[Problem]]:
         what = "an empty file" if root is None else "no mapping of nodes"
         raise InvalidScenario([unreadable(path, what, _EXAMPLE)])
     reader.sections(root, "")
-    return reader.given, reader.problems
+    return reader.found, reader.problems
 
 
 def parse_value(text: str) -> Value | dict[str, Value]:
@@ -84,27 +90,32 @@ class _Reader:
 
     file: str
     known: Sequence[str]
-    given: Given = field(default_factory=dict)
+    found: Sections = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
 
     def sections(self, node: yaml.MappingNode, namespace: str) -> None:
         """Read node sections, which may be nested in namespaces."""
         for name, value in self._items(node, namespace):
-            path = f"{namespace}/{name}".replace("//", "/") if namespace else name
-            base = path.rsplit("/", 1)[-1]
-            section = WILDCARD if base == "**" else base
-            if section not in (*self.known, WILDCARD):
-                if isinstance(value, yaml.MappingNode) and _holds_nodes(value):
-                    self.sections(value, path)
-                else:
-                    known = f"one of {', '.join(self.known)} or {WILDCARD}"
-                    remedy = suggestion(base, self.known)
-                    self._complain(value, path, "an unknown node", known, remedy)
-            elif section in self.given:
-                what = f"a second section for {section}"
-                self._complain(value, path, what, "one section for a node", "merge the two")
+            path = f"{namespace.removesuffix('/')}/{name}" if namespace else name
+            base = path.rpartition("/")[2]
+            if base not in self.known and _holds_nodes(value):
+                self.sections(value, path)
+            elif base in (*self.known, *_WILDCARDS):
+                self._add_section(value, path, base)
             else:
-                self.given[section] = self._section(value, path, section)
+                need = f"one of {', '.join(self.known)} or a wildcard such as /**"
+                self._complain(value, path, "an unknown node", need, suggestion(base, self.known))
+
+    def _add_section(self, value: yaml.Node, path: str, base: str) -> None:
+        pattern = path if path.startswith("/") else f"/{path}"
+        if pattern in self.found:
+            what = f"a second section for {path}"
+            self._complain(value, path, what, "one section for a node", "merge the two")
+        elif not _NODE_NAME.fullmatch(pattern) or len(pattern) > _LONGEST_NAME:
+            need = "words of letters, digits and _, or *, or **, with one / between two"
+            self._complain(value, path, "no name of a node", need, "rename it")
+        else:
+            self.found[pattern] = self._section(value, path, base if base in self.known else path)
 
     def parameters(self, node: yaml.MappingNode, section: str, prefix: str) -> dict[str, Entry]:
         """Return the parameters of a mapping by dotted name."""
@@ -137,9 +148,10 @@ class _Reader:
                 self._complain(value, f"{path}.{key}", what, need, "indent it further")
             elif isinstance(value, yaml.MappingNode):
                 found = self.parameters(value, section, "")
-            elif raw(value) != "nothing":
+            else:
                 need = f"'name: value' lines beneath {PARAMETERS_KEY}"
-                self._complain(value, path, raw(value), need, "check the indentation")
+                remedy = "check the indentation, or remove the section"
+                self._complain(value, path, raw(value), need, remedy)
         return found
 
     def _value(self, node: yaml.Node, section: str, name: str) -> dict[str, Entry]:
@@ -174,8 +186,10 @@ class _Reader:
         self.problems.append(Problem(self.file, line, key, value, requirement, remedy))
 
 
-def _holds_nodes(node: yaml.MappingNode) -> bool:
-    """Tell whether a mapping is a namespace rather than a node."""
+def _holds_nodes(node: yaml.Node) -> TypeGuard[yaml.MappingNode]:
+    """Tell whether a node of the file is a namespace rather than a node of ROS 2."""
+    if not isinstance(node, yaml.MappingNode):
+        return False
     names = [key.value for key, _ in node.value]
     mappings = all(isinstance(value, yaml.MappingNode) for _, value in node.value)
     return bool(names) and mappings and PARAMETERS_KEY not in names

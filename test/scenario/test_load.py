@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.scenario import InvalidScenario, from_sections, load, overlay, read_sections
+from spacecraft_gnc.scenario import InvalidScenario, from_sections, load, read_sections
 from spacecraft_gnc.scenario.checks import largest_time_step, steps_in
 from spacecraft_gnc.scenario.schema import SECTIONS
 
@@ -139,24 +139,6 @@ def test_parameters_of_a_live_node() -> None:
     assert scenario.controller.weights.stage_torque[0, 0] == 2.0
 
 
-def test_overlay_of_what_ros_gives_a_node(tmp_path: Path) -> None:
-    """ROS 2 hands over all of /**, and None for an empty list."""
-    path = tmp_path / "a.yaml"
-    path.write_text(
-        "/**: {ros__parameters: {time_step: 0.2, use_sim_time: true}}\n"
-        f"plant: {{ros__parameters: {{inertia: {INERTIA}, peers: []}}}}\n"
-    )
-    sections = read_sections(path)
-    plant = {"time_step": 0.2, "use_sim_time": True, "inertia": INERTIA, "peers": None}
-    scenario = from_sections(overlay(sections, "plant", {**plant, "duration": 10.0}))
-    assert (scenario.plant.peers, scenario.plant.duration) == ((), 10.0)
-    recorder = from_sections(overlay(sections, "recorder", {"time_step": 0.2, "topics": None}))
-    assert recorder.recorder.topics == ()
-    assert recorder.controller.time_step == 0.2
-    with pytest.raises(InvalidScenario, match=r"recorder\.chunk: received an unknown"):
-        from_sections(overlay(sections, "recorder", {"chunk": 1}))
-
-
 def test_unknown_section() -> None:
     with pytest.raises(InvalidScenario, match="required one of plant") as error:
         from_sections({"plnt": {}, "recorder": {"chunk_size": 1}}, "here")
@@ -194,7 +176,7 @@ def test_an_override_mends_what_the_file_gets_wrong(tmp_path: Path) -> None:
     assert load(path, ["nmpc_controller.horizon=3"]).controller.horizon == 3
 
 
-def test_wildcard_lies_beneath_the_nodes(tmp_path: Path) -> None:
+def test_wildcards_give_each_node_what_it_knows(tmp_path: Path) -> None:
     path = tmp_path / "a.yaml"
     path.write_text(
         "/**:\n  ros__parameters:\n    use_sim_time: true\n    time_step: 0.2\n"
@@ -205,6 +187,7 @@ def test_wildcard_lies_beneath_the_nodes(tmp_path: Path) -> None:
     assert (scenario.plant.time_step, scenario.controller.time_step) == (0.1, 0.2)
     assert not scenario.recorder.autostart
     assert scenario.sections["plant"]["use_sim_time"] is True
+    assert scenario.warnings == ()
 
 
 @pytest.mark.parametrize("name", ["plant", "/plant", "/sat1/plant", "sat1: {plant: "])
@@ -215,6 +198,35 @@ def test_namespaces(name: str, tmp_path: Path) -> None:
     else:
         path.write_text(f"{name}: {{ros__parameters: {{inertia: {INERTIA}}}}}\n")
     assert load(path).plant.inertia[0, 0] == 1.0
+
+
+def test_one_spacecraft_of_several(tmp_path: Path) -> None:
+    path = tmp_path / "two.yaml"
+    sections = (
+        f"{name}: {{ros__parameters: {{inertia: {INERTIA}, duration: {duration}}}}}"
+        for name, duration in (("/chaser/plant", 10.0), ("target: {plant", 20.0))
+    )
+    path.write_text("\n".join(sections) + "}\n")
+    with pytest.raises(InvalidScenario, match=r"\(/chaser, /target\); required one; name it with"):
+        load(path)
+    chaser = load(path, namespace="chaser")
+    assert chaser.plant.duration == 10.0
+    assert chaser.warnings == (
+        f"{path}: /target/plant: not read, no node of namespace /chaser matches",
+    )
+    assert read_sections(path, "/target")["plant"]["duration"] == 20.0
+    with pytest.raises(InvalidScenario, match=r"plant\.inertia: received nothing"):
+        load(path, namespace="third")
+
+
+@pytest.mark.parametrize(
+    "name", ["//plant", "/plant/", "a: {/plant", "1a/plant", "p*/plant", "/***"]
+)
+def test_no_name_of_a_node(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(f"{name}: {{ros__parameters: {{inertia: {INERTIA}}}}}" + "}" * name.count("{"))
+    with pytest.raises(InvalidScenario, match=r"received (no name of a|an unknown) node; required"):
+        load(path)
 
 
 def test_plugin_parameters_pass_through(tmp_path: Path) -> None:

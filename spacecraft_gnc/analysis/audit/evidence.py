@@ -25,6 +25,7 @@ from spacecraft_gnc.recording.steps import (
     STATE,
     TORQUE,
     WALL_TIMING,
+    flight_namespace,
 )
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Array
@@ -105,7 +106,7 @@ def read_evidence(
     columns = read_columns(bag, [*KEPT, SOLVER_STATUS], namespace, progress, leave_out=PLANS)
     whole_steps(bag, columns, acted(columns))  # refuses what is no flight
     text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
-    scenario, problem = parse_scenario(text, bag.path)
+    scenario, problem = parse_scenario(text, bag.path, flight_namespace(bag, namespace))
     if scenario is None:
         reason = problem or "none is attached"
         raise RecordingError(

@@ -1,0 +1,156 @@
+"""What ROS 2 gives each node out of the sections of parameter files.
+
+A section's name is a pattern of full node names: ``*`` stands for one word, ``**`` for any number
+of words, none included. ROS 2 lays the sections that match a node over each other in the order in
+which their names first appear, in all files and ``-p`` options together; the last value wins. So a
+wildcard beneath a node's own section replaces its values, and a name that appears again (in another
+file, or by ``-p``) changes the values at its first place.
+
+Source: rclpy 7.1 ``Node.get_parameters``, rcl ``arguments.c``; docs/scenario.md has the table, and
+``test/nodes/test_parameter_files.py`` compares every form with live nodes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from spacecraft_gnc.scenario.declare import is_ros_own, known_names, spec_of
+from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, suggestion
+from spacecraft_gnc.scenario.schema import SECTIONS
+from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, parse_value, read
+
+ROOT: Final = "/"
+OPTION: Final = "-p"
+"""What an `Entry` has as its file where the value comes from the command line of a node."""
+_LAUNCHER: Final = "launcher"
+_EVERY_NODE: Final = "/**"
+
+
+def node_names(namespace: str = ROOT) -> dict[str, str]:
+    """Return the full names of the nodes in a namespace, each with its role (section).
+
+    The launcher is no node: its section may stand inside the namespace or outside.
+    """
+    prefix = namespace.strip("/")
+    prefix = f"/{prefix}" if prefix else ""
+    return {f"{prefix}/{role}": role for role in SECTIONS} | {f"/{_LAUNCHER}": _LAUNCHER}
+
+
+def matches(pattern: str, node: str) -> bool:
+    """Tell whether ROS 2 gives a section to the node of that full name."""
+    return re.fullmatch(pattern.replace("/*", r"(/\w+)"), node, re.ASCII) is not None
+
+
+def given_to(
+    sections: Sections, nodes: Mapping[str, str], problems: list[Problem] | None = None
+) -> Given:
+    """Return what ROS 2 gives each of the nodes, by role.
+
+    A wildcard gives a node everything, also what is meant for others: a parameter that the role
+    does not know is left out where another node of the same pattern knows it.
+
+    Parameters
+    ----------
+    sections : Sections
+        Of one file, or of all that a command line names.
+    nodes : mapping
+        Full node name -> role.
+    problems : list of Problem, optional
+        Gets one more for each parameter of a wildcard that no node knows.
+    """
+    given: Given = {}
+    for pattern, entries in sections.items():
+        roles = list(dict.fromkeys(r for name, r in nodes.items() if matches(pattern, name)))
+        for name, entry in entries.items():
+            users = [role for role in roles if _knows(role, name, entry)]
+            if len(roles) > 1 and not users:
+                if problems is not None:
+                    problems.append(_unknown_to_all(pattern, name, entry))
+                continue
+            for role in users or roles:
+                given.setdefault(role, {})[name] = entry
+    return {r: e for r, e in given.items() if not all(is_ros_own(r, name) for name in e)}
+
+
+def unread(sections: Sections, nodes: Mapping[str, str]) -> list[str]:
+    """Return the names of the sections that match none of the nodes."""
+    return [pattern for pattern in sections if not any(matches(pattern, name) for name in nodes)]
+
+
+def namespace_of(sections: Sections, file: str, wanted: str | None = None) -> str:
+    """Return the namespace that a file is about: the root, unless it names another one only.
+
+    Parameters
+    ----------
+    sections : Sections
+    file : str
+        To blame.
+    wanted : str, optional
+        The one to prefer where the file names several.
+
+    Raises
+    ------
+    InvalidScenario
+        If it names several, and not the root.
+    """
+    named = dict.fromkeys(_literal_namespace(pattern) for pattern in sections)
+    found = [namespace for namespace in named if namespace is not None]
+    preferred = f"/{wanted.strip('/')}" if wanted is not None else ROOT
+    if preferred in found or not found:
+        return preferred if preferred in found else ROOT
+    if len(found) == 1:
+        return found[0]
+    what = f"sections of several spacecraft ({', '.join(found)})"
+    raise InvalidScenario([Problem(file, None, "", what, "one", "name it with --namespace")])
+
+
+def read_files(paths: Iterable[Path]) -> Sections:
+    """Return the sections of parameter files, merged as ROS 2 does.
+
+    Raises
+    ------
+    InvalidScenario
+        If one cannot be read, or holds keys that ROS 2 could not use.
+    """
+    sections: Sections = {}
+    for path in paths:
+        found, problems = read(path, tuple(SECTIONS))
+        if problems:
+            raise InvalidScenario(problems)
+        for pattern, entries in found.items():
+            sections.setdefault(pattern, {}).update(entries)
+    return sections
+
+
+def lay_over(sections: Sections, option: str) -> None:
+    """Lay the value of a ``-p [NODE:]NAME:=VALUE`` over sections, where ROS 2 does."""
+    key, _, text = option.partition(":=")
+    node, _, name = key.rpartition(":")
+    try:
+        value: Any = parse_value(text)
+    except ValueError:
+        return  # ROS 2 says why it refuses it
+    sections.setdefault(f"/{node}" if node else _EVERY_NODE, {})[name] = Entry(value, OPTION)
+
+
+def _knows(role: str, name: str, entry: Entry) -> bool:
+    return is_ros_own(role, name) or spec_of(role, name, entry.value) is not None
+
+
+def _literal_namespace(pattern: str) -> str | None:
+    """Return the namespace before the node's name; None where a wildcard leaves it open."""
+    namespace, _, role = pattern.rpartition("/")
+    if "*" in namespace or (not namespace and "*" in role) or role == _LAUNCHER:
+        return None
+    return namespace or ROOT
+
+
+def _unknown_to_all(pattern: str, name: str, entry: Entry) -> Problem:
+    known = sorted({known for role in SECTIONS for known in known_names(role)})
+    need = "a parameter of at least one node"
+    key = name if entry.file == OPTION else f"{pattern}.{name}"
+    remedy = suggestion(name, known)
+    return Problem(entry.file, entry.line, key, "an unknown parameter", need, remedy)
