@@ -23,7 +23,8 @@ HEAD = """\
 One scenario is one standard ROS 2 parameter file. It is handed unchanged to every node
 (`plant --ros-args --params-file FILE`), to `gnc launch` and to `gnc simulate`; `gnc check FILE`
 names every mistake in it at once. `--set node.parameter=VALUE` (VALUE is YAML) replaces a value for
-one run.
+one run. A scenario that comes with the package is found by its name (`gnc check gupta2015_case1`);
+a file of that name in the working directory, with or without `.yaml`, goes first.
 
 - A parameter that is left out takes its default. `required` ones have none.
 - Numbers with a decimal point are doubles, without one integers, and ROS 2 tells them apart: write

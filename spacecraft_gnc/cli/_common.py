@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 ScenarioArgument = Annotated[
     Path,  # not checked by typer, so that every refusal of a file reads alike
     typer.Argument(
-        metavar="SCENARIO.yaml", readable=False, help="Scenario: a ROS 2 parameter file."
+        metavar="SCENARIO.yaml",
+        readable=False,
+        help="Scenario: a ROS 2 parameter file, or the name of a shipped one (gupta2015_case1).",
     ),
 ]
 SetOption = Annotated[

@@ -19,6 +19,7 @@ from spacecraft_gnc.scenario.checked import plain_values
 from spacecraft_gnc.scenario.declare import flatten
 from spacecraft_gnc.scenario.node_sections import given_to, lay_over, node_names, read_files
 from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
+from spacecraft_gnc.scenario.shipped import find
 from spacecraft_gnc.scenario.yaml_scalar import emit
 
 PLANT: Final = "plant"
@@ -104,6 +105,7 @@ def make_plan(
     LaunchRefused
         The folder cannot be used, or there is no plant to fly.
     """
+    path = find(path)
     scenario = load(path, overrides, namespace)
     nodes = tuple(n for n in scenario.launcher.nodes if record or n != RECORDER)
     if PLANT not in nodes:

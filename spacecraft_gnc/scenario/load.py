@@ -31,6 +31,7 @@ from spacecraft_gnc.scenario.schema import (
     WeightParameters,
     ZoneParameters,
 )
+from spacecraft_gnc.scenario.shipped import find
 from spacecraft_gnc.scenario.values import plain
 from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, parse_value, read
 
@@ -45,7 +46,7 @@ def load(path: str | Path, overrides: Overrides = (), namespace: str | None = No
     Parameters
     ----------
     path : str or Path
-        ROS 2 parameter file.
+        ROS 2 parameter file, or the name of a scenario that comes with the package.
     overrides : mapping or sequence of str
         Values that replace those of the file; an integer may stand for a double here.
     namespace : str, optional
@@ -56,12 +57,13 @@ def load(path: str | Path, overrides: Overrides = (), namespace: str | None = No
     InvalidScenario
         With every problem of the file and of the overrides at once.
     """
-    sections, problems = read(Path(path), tuple(SECTIONS))
-    nodes = node_names(namespace_of(sections, str(path)) if namespace is None else namespace)
+    file = find(path)
+    sections, problems = read(file, tuple(SECTIONS))
+    nodes = node_names(namespace_of(sections, str(file)) if namespace is None else namespace)
     given = given_to(sections, nodes, problems)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
     _apply(overrides, given, problems)
-    return _scenario(given, str(path), problems, _warnings(sections, nodes, str(path)))
+    return _scenario(given, str(file), problems, _warnings(sections, nodes, str(file)))
 
 
 def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, dict[str, Value]]:
