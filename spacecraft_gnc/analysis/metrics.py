@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 SETTLE_THRESHOLDS_DEG: Final = (5.0, 1.0, 0.1)
 _SATURATION = 1.0 - 1e-6  # share of the limit: the penalty lets the norm end just beside it
-_FEEDBACK: Final = "feedback"
 _SAME_ATTITUDE = 1e-9  # largest difference of entries
 
 
@@ -48,12 +47,13 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         constraint even with the last reference held), ``min_governor_margin`` (of its predictions,
         in the unit of each one's nearest constraint),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
-        stage costs; None of a feedback law, which minimises none),
+        stage costs; None of a method that reads no weights),
         ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
         ``escaping_steps`` (at rest away from the target, and leaving there),
         ``solve_time_median``, ``_p99``, ``_max`` [s],
-        ``sources`` (steps by source), ``fallback_steps`` (steps without a command of the method),
+        ``sources`` (steps by source), ``fallback_steps`` (whose torque stood in for one that
+        the method did not find),
         ``neighboring_share`` and ``neighboring_error`` (see `analysis.neighboring`).
     """
     controller = scenario.controller if scenario is not None else None
@@ -68,7 +68,7 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         **_governor_metrics(trajectory),
         **_torque_metrics(trajectory, scenario),
         **_zone_metrics(trajectory, controller),
-        **_solver_metrics(trajectory, controller),
+        **_solver_metrics(trajectory, scenario),
         **neighboring_metrics(trajectory, scenario),
     }
 
@@ -142,7 +142,7 @@ def _torque_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[s
     norm = series.torque_norm(trajectory)
     limit = series.torque_limit(trajectory, scenario)
     cost = None
-    if scenario is not None and scenario.controller.method != _FEEDBACK:  # that law has no weights
+    if scenario is not None and "weights.stage_attitude" in scenario.traits.reads:
         cost = _number(np.nansum(series.stage_costs(trajectory, scenario.controller.weights)))
     return {
         "max_torque": _number(_largest(norm)),
@@ -163,15 +163,14 @@ def _zone_metrics(
     return {"min_zone_margin_deg": min(known, default=None), "zone_margin_deg": margins}
 
 
-def _solver_metrics(
-    trajectory: Trajectory, controller: ControllerParameters | None
-) -> dict[str, Any]:
-    own = controller is not None and controller.method == _FEEDBACK
-    fallback = trajectory.source > (Source.FEEDBACK if own else Source.NEIGHBORING_EXTREMAL)
+def _solver_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+    source = trajectory.source
+    if scenario is not None:  # a reader did so already, unless the file held none
+        source = scenario.traits.current_sources(source)
+    sources = Counter(source.tolist())
     solved = trajectory.status >= 0
     iterations = trajectory.iterations[solved]
     solve_time = trajectory.solve_time[np.isfinite(trajectory.solve_time)]
-    sources = Counter(int(source) for source in trajectory.source)
     return {
         "iterations_median": float(np.median(iterations)) if iterations.size else None,
         "iterations_max": int(iterations.max()) if iterations.size else None,
@@ -182,7 +181,7 @@ def _solver_metrics(
         "solve_time_p99": _quantile(solve_time, 0.99),
         "solve_time_max": _quantile(solve_time, 1.0),
         "sources": {source.name: sources[source] for source in Source if sources[source]},
-        "fallback_steps": int(np.count_nonzero(fallback)),
+        "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
     }
 
 

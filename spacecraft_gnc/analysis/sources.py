@@ -13,6 +13,13 @@ if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
 
 NOT_RECORDED: Final = -1
+_BY_RANK: Final = (
+    Source.METHOD,
+    *(source for source in Source if source is not Source.METHOD),
+    NOT_RECORDED,
+)
+"""Best first."""
+_RANKS: Final = np.array([_BY_RANK.index(source) for source in (*Source, NOT_RECORDED)])
 
 
 class Stretch(NamedTuple):
@@ -45,19 +52,18 @@ def stretches(trajectory: Trajectory, width: int = 1) -> list[Stretch]:
     trajectory
         What was flown.
     width
-        Steps that are taken together: the lowest rung of the ladder among them counts, and what was
-        not recorded below all.
+        Steps that are taken together: the lowest rung of the ladder among them counts, the method
+        itself above all of them and what was not recorded below.
     """
     sources, times = trajectory.source, series.state_times(trajectory)
     starts = np.arange(0, len(sources), width)
-    lowest = max(Source) + 1
-    rungs = np.maximum.reduceat(np.where(sources < 0, lowest, sources), starts)
+    rungs = np.maximum.reduceat(_RANKS[sources], starts)
     changes = np.flatnonzero(np.append(True, rungs[1:] != rungs[:-1]))
     begins = starts[changes]
     ends = np.append(begins[1:], len(sources))
     return [
         Stretch(
-            NOT_RECORDED if rung == lowest else int(rung),
+            _BY_RANK[rung],
             float(times[begin]),
             float(times[end]),
             int(end - begin),

@@ -20,8 +20,8 @@ AXIS_STYLES: Final = ("-", (0, (5, 1.2)), (0, (1.2, 1.0)))
 """Line styles of x, y, z, so that a grey print can be read too."""
 RUN_COLOURS: Final = (*AXIS_COLOURS, "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Runs beside each other, in this order."""
-SOURCE_COLOURS: Final = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000")
-"""Rungs of the fallback ladder, best first (`loop.Source`)."""
+SOURCE_COLOURS: Final = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000", "#0072B2")
+"""By number of `loop.Source`."""
 ZONE_COLOURS: Final = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
 INK: Final = "#222222"
 LIMIT_COLOUR: Final = "#B0282E"

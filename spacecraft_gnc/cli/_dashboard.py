@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from spacecraft_gnc.analysis.live.picture import Phase, Picture, Setup, source_name
 from spacecraft_gnc.cli._common import RunFailed
 from spacecraft_gnc.cli._inspect_messages import print_json_line
+from spacecraft_gnc.loop.protocols import Source
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -23,8 +24,7 @@ _LINE_PERIOD: Final = 1.0  # [s] wall between two lines elsewhere
 _SETUP_PATIENCE: Final = 3.0  # [s] wall for the parameters, which one frame alone would lack
 _WIDTH: Final = 80  # characters
 _BAR: Final = 15  # characters on each side of zero
-_COLOURS: Final = ("green", "cyan", "yellow", "dark_orange", "red")  # of the rungs, best first
-_NO_SOLVES: Final = "feedback"
+_COLOURS: Final = ("green", "cyan", "yellow", "dark_orange", "red", "green")  # by `Source`
 _PHASES: Final = {
     Phase.FLYING: "green",
     Phase.WAITING: "yellow",
@@ -166,7 +166,7 @@ def _rows(picture: Picture, setup: Setup) -> Iterator[tuple[str, str | Text]]:
     for name, margin in picture.margins_deg(setup).items():
         yield f"margin to {name}", _marked(f"{margin:.4g} deg", margin < 0.0)
     yield from _torque_rows(picture, setup)
-    if setup.method != _NO_SOLVES:
+    if picture.source != Source.METHOD:
         yield from _solver_rows(picture)
     if picture.decision is not None and setup.governor not in ("", "none"):
         decision = picture.decision

@@ -65,8 +65,8 @@ def facts(scenario: Scenario) -> dict[str, Any]:
         "duration": scenario.n_steps * scenario.period,
         "initial_error_deg": _initial_error_deg(scenario),
         "method": scenario.controller.method,
-        "variant": scenario.controller.variant,
-        "horizon": scenario.controller.horizon,
+        "variant": _variant(scenario),
+        "horizon": _horizon(scenario),
         "max_torque": scenario.controller.max_torque,
         "zones": [zone.name for zone in scenario.controller.zones],
         "governor": scenario.governor.governor,
@@ -99,14 +99,22 @@ def _rows(scenario: Scenario) -> list[tuple[str, str]]:
 
 def _controller(scenario: Scenario) -> str:
     """Return the method with variant and horizon, where it has them."""
-    from spacecraft_gnc.scenario.checks_method import READERS
-    from spacecraft_gnc.scenario.registry import BUILT_IN
+    variant, horizon = _variant(scenario), _horizon(scenario)
+    return (
+        scenario.controller.method
+        + (f" ({variant})" if variant is not None else "")
+        + (f", horizon {horizon} steps" if horizon is not None else "")
+    )
 
-    c = scenario.controller
-    built_in = BUILT_IN["controllers"].get(c.method)
-    variant = f" ({c.variant})" if built_in is None or built_in.variants else ""
-    horizon = f", horizon {c.horizon} steps"
-    return c.method + variant + (horizon if not built_in or c.method in READERS["horizon"] else "")
+
+def _variant(scenario: Scenario) -> str | None:
+    """Return the variant; None where the method has none."""
+    return scenario.controller.variant if scenario.traits.variants else None
+
+
+def _horizon(scenario: Scenario) -> int | None:
+    """Return the prediction horizon in steps; None where the method reads none."""
+    return scenario.controller.horizon if "horizon" in scenario.traits.reads else None
 
 
 def _governor(scenario: Scenario) -> str:

@@ -67,7 +67,7 @@ def simulate(
     trajectory = _fly(loop, silent=quiet)
     wall_time = time.perf_counter() - started
     if out is not None:
-        trajectory.save(out)
+        trajectory.save(out, checked.to_yaml())
     if quiet and not as_json:
         return
     metrics = {"scenario": str(scenario), **summarize(trajectory, checked), "wall_time": wall_time}
@@ -108,6 +108,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the lines of a flight's summary, label and text."""
     settled = [(f"under {x} deg for good", m[f"settle_time_{x}deg"]) for x in ("5", "1", "0.1")]
     iterations = f"{_text(m['iterations_median'], 3)} median, {_text(m['iterations_max'], 3)} most"
+    work = "command" if m["iterations_median"] is None else "solve"
     sources = ", ".join(f"{name} {count}" for name, count in m["sources"].items())
     rows = [
         ("control steps", f"{m['steps']} of {m['period']:g} s"),
@@ -118,8 +119,8 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("sum of stage costs", _text(m["cost"], 10)),
         ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
         ("iterations a solve", iterations),
-        ("time a solve", _solve_times(m)),
-        ("steps not solved", str(m["unconverged_steps"])),
+        (f"time a {work}", _solve_times(m)),
+        ("steps not solved", _unsolved(m)),
         ("torque from", sources),
     ]
     if m["neighboring_share"] is not None:
@@ -154,6 +155,10 @@ def _limit(m: dict[str, Any]) -> str:
     if not m["torque_limit"]:
         return "no limit"
     return f"limit {m['torque_limit']:g} N m, {m['saturated_steps']} steps on it"
+
+
+def _unsolved(m: dict[str, Any]) -> str:
+    return _NOTHING if m["iterations_median"] is None else str(m["unconverged_steps"])
 
 
 def _solve_times(m: dict[str, Any]) -> str:

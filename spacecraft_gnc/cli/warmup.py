@@ -69,7 +69,7 @@ def _methods() -> Iterator[Scenario]:
     from spacecraft_gnc.scenario import registry
 
     for method, built_in in registry.BUILT_IN["controllers"].items():
-        for variant in built_in.variants or ("exact",):
+        for variant in built_in.traits.variants or ("exact",):
             controller: dict[str, Any] = {"method": method, "variant": variant}
             if method == "terminal_set":
                 controller["max_torque"] = 0.0  # the set is within reach

@@ -44,7 +44,6 @@ if TYPE_CHECKING:
 # Room [rad, share of a limit] that a new reference needs where the controller flown remembers more
 # than the one that predicts: its neighbouring extremals and warm starts give other last digits.
 MEMORY = 1e-3
-LAST_GOOD_SOURCE = 1  # loop.protocols.Source.NEIGHBORING_EXTREMAL, whose layer lies above
 CONSTRAINTS = (
     "torque limit",
     "momentum limit",
@@ -206,7 +205,7 @@ class ControllerLoopPredictor:
                 break
             state = State(first + k, rows[:3].copy(), rows[3].copy())
             command = self._controller.command(state, reference)
-            if command.source > LAST_GOOD_SOURCE:
+            if command.is_fallback:
                 return n + SOLVER, k
             limit, size = float(self._limits[0]), float(np.linalg.norm(command.torque))
             if limit > 0.0 and violates(self._worst, limit - size, limit, reserve, n + TORQUE):

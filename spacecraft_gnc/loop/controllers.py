@@ -15,6 +15,7 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.ladder import FallbackLadder
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
 from spacecraft_gnc.loop.standstill import StandstillMonitor
+from spacecraft_gnc.loop.traits import BASELINE, NEIGHBORING_EXTREMAL, SHOOTING
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
     FsolveSolver,
@@ -112,7 +113,8 @@ class SolverController:
     def command(self, state: State, reference: Reference) -> Command:
         """Solve from ``state`` and return the torque of the highest rung of the ladder."""
         command = self._ladder.command(state, reference, self._solve(state, reference))
-        if self._monitor is None or command.solution is None or command.source > Source.OPTIMAL:
+        optimal = command.source is Source.OPTIMAL
+        if self._monitor is None or command.solution is None or not optimal:
             return command
         finding = self._monitor.examine(command.solution)
         if finding is None:
@@ -138,6 +140,7 @@ class ShootingController(SolverController):
     """``method: shooting``: Newton's method on the first-order conditions."""
 
     name = "shooting"
+    traits = SHOOTING
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> ShootingController:
@@ -151,6 +154,7 @@ class OnlineNeighboringController(SolverController):
     """``method: neighboring_extremal``: corrections of the last optimum, solves where needed."""
 
     name = "neighboring_extremal"
+    traits = NEIGHBORING_EXTREMAL
 
     def __init__(
         self,
@@ -181,6 +185,7 @@ class SlsqpController(SolverController):
 
     name = "slsqp"
     slow = True
+    traits = BASELINE
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> SlsqpController:
@@ -194,6 +199,7 @@ class FsolveController(SolverController):
 
     name = "fsolve"
     slow = True
+    traits = BASELINE
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> FsolveController:

@@ -9,6 +9,7 @@ import numpy as np
 
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
+from spacecraft_gnc.loop.traits import FEEDBACK
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -30,6 +31,7 @@ class FeedbackController:
 
     name = "feedback"
     slow = False
+    traits = FEEDBACK
 
     def __init__(self, feedback: AttitudeFeedback, period: float) -> None:
         self.feedback = feedback
@@ -51,5 +53,5 @@ class FeedbackController:
         """Torque for the control step that starts at ``state``."""
         torque = self.feedback.torque(state, reference.attitude)
         if math.isfinite(float(torque @ torque)):
-            return Command(torque, Source.FEEDBACK, None)
-        return Command(np.zeros(3), Source.ZERO, None)
+            return Command(torque)
+        return Command(np.zeros(3), Source.ZERO)

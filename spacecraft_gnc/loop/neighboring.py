@@ -16,6 +16,7 @@ from spacecraft_gnc.loop.controllers import (
     problem_of,
 )
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
+from spacecraft_gnc.loop.traits import NEIGHBORING_EXTREMAL
 from spacecraft_gnc.ocp import NominalRun, ShootingSolver, fly_nominal
 from spacecraft_gnc.types import Matrix3, Vector3
 
@@ -103,6 +104,8 @@ class NominalRunController:
 
 class NeighboringExtremalController:
     """The registry's entry: along a nominal run where one is given, else on line."""
+
+    traits = NEIGHBORING_EXTREMAL
 
     @staticmethod
     def from_scenario(

@@ -29,13 +29,23 @@ __all__ = [
 
 
 class Source(IntEnum):
-    """Rung of the failure ladder that a torque command comes from (equal to TorqueCommand.msg)."""
+    """Where a torque command comes from (equal to TorqueCommand.msg).
+
+    Either a rung of the fallback ladder, best first, or the method itself.
+    """
 
     OPTIMAL = 0
     NEIGHBORING_EXTREMAL = 1
     SHIFTED_PLAN = 2
     FEEDBACK = 3
     ZERO = 4
+    METHOD = 5
+    """The method's own command, where it solves no optimal control problem."""
+
+    @property
+    def is_fallback(self) -> bool:
+        """Whether the torque stands in for one that the method did not find."""
+        return self in (Source.SHIFTED_PLAN, Source.FEEDBACK, Source.ZERO)
 
 
 class Standstill(NamedTuple):
@@ -54,11 +64,16 @@ class Command(NamedTuple):
 
     torque: Vector3
     """(3,) body torque [N m]."""
-    source: Source
-    solution: Solution | None
+    source: Source = Source.METHOD
+    solution: Solution | None = None
     """The solve behind the command; None where none was made."""
     standstill: Standstill | None = None
     """The standstill that the loop is at; None: at none, or none was looked for."""
+
+    @property
+    def is_fallback(self) -> bool:
+        """As `Source.is_fallback`; another package's method may give the number alone."""
+        return Source(self.source).is_fallback
 
     @property
     def status(self) -> Status | None:
@@ -109,7 +124,8 @@ class Controller(Protocol):
     """Method name, as in the scenario's ``method:``."""
     slow: bool
     """Whether a command may take longer than some milliseconds: a node then computes it in a
-    thread of its own, and never two at a time."""
+    thread of its own, and never two at a time. A class may also declare its ``traits``
+    (`loop.traits.MethodTraits`)."""
 
     def warm_up(self) -> None:
         """Compile or load everything that `command` needs."""

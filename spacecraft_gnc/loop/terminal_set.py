@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.controllers import SolverController
+from spacecraft_gnc.loop.traits import TERMINAL_SET
 from spacecraft_gnc.ocp import ShootingOptions, Status, TerminalSetOcp, TerminalSetSolver
 from spacecraft_gnc.ocp.zones import zones_of
 
@@ -23,6 +24,7 @@ class TerminalSetController(SolverController):
     """
 
     name = "terminal_set"
+    traits = TERMINAL_SET
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> TerminalSetController:

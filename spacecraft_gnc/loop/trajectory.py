@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.types import Array
+
+_SCENARIO: Final = "scenario"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +74,15 @@ class Trajectory:
         """Number of control steps."""
         return len(self.time)
 
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | Path, scenario: str = "") -> Path:
         """Write all arrays to a ``.npz`` file, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            File to write.
+        scenario
+            Text of what flew, kept beside the arrays as ``scenario``; empty: not known.
 
         Raises
         ------
@@ -81,6 +91,8 @@ class Trajectory:
         """
         target = Path(path)
         arrays = {item.name: getattr(self, item.name) for item in fields(self)}
+        if scenario:
+            arrays[_SCENARIO] = np.array(scenario)
         temporary = target.with_name(f".{target.name}.part")
         try:
             with temporary.open("wb") as stream:
@@ -104,16 +116,28 @@ class Trajectory:
         RecordingError
             If it is missing, damaged or not such a file.
         """
-        try:
-            with Path(path).open("rb") as stream, zipfile.ZipFile(stream) as members:
-                values = {item.name: _member(members, item.name) for item in fields(cls)}
-        except (OSError, KeyError, ValueError, zipfile.BadZipFile, EOFError) as err:
-            raise RecordingError(
-                f"{path}: cannot be read as a flight ({err}); required a .npz file written by "
-                "`gnc simulate --out`; fly again"
-            ) from err
+        values = _read(path, *(item.name for item in fields(cls)))
         values["period"] = float(values["period"])
         return cls(**values)
+
+    @staticmethod
+    def load_scenario(path: str | Path) -> str:
+        """Read the scenario in a file written by `save`; empty where it holds none."""
+        return str(_read(path, _SCENARIO).get(_SCENARIO, ""))
+
+
+def _read(path: str | Path, *names: str) -> dict[str, Any]:
+    """Return members of a file by name; of a file of before it held a scenario, none of that."""
+    try:
+        with Path(path).open("rb") as stream, zipfile.ZipFile(stream) as members:
+            known = set(members.namelist())
+            wanted = [n for n in names if n != _SCENARIO or f"{n}.npy" in known]
+            return {name: _member(members, name) for name in wanted}
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile, zlib.error, EOFError) as err:
+        raise RecordingError(
+            f"{path}: cannot be read as a flight ({err}); required a .npz file written by "
+            "`gnc simulate --out`; fly again"
+        ) from err
 
 
 def _member(members: zipfile.ZipFile, name: str) -> Any:

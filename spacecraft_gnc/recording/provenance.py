@@ -38,9 +38,9 @@ def run_record(scenario: Scenario, middleware: Mapping[str, str]) -> dict[str, s
     Returns
     -------
     dict
-        Texts by name; a version that is not known is empty.
+        Texts by name; what is not known, or not read by the method, is empty.
     """
-    lock = lock_file()
+    lock, traits = lock_file(), scenario.traits
     return {
         "package_version": __version__,
         "git_commit": _commit(),
@@ -55,8 +55,8 @@ def run_record(scenario: Scenario, middleware: Mapping[str, str]) -> dict[str, s
         "started": datetime.now(timezone.utc).isoformat(timespec="milliseconds"),
         "vehicle": scenario.plant.vehicle,
         "method": scenario.controller.method,
-        "variant": scenario.controller.variant,
-        "formulation": scenario.controller.formulation,
+        "variant": scenario.controller.variant if traits.variants else "",
+        "formulation": scenario.controller.formulation if "formulation" in traits.reads else "",
         "governor": scenario.governor.governor,
         "mode": scenario.plant.mode,
         "vehicle_package": registry.provider("plants", scenario.plant.vehicle),

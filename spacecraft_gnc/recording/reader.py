@@ -87,10 +87,17 @@ def load_run(
     """
     path = Path(path)
     if is_npz(path):
-        return Flight(Trajectory.load(path), RunInfo(path=path))
+        return _read_npz(path)
     return read_flight(
         path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
     )
+
+
+def _read_npz(path: Path) -> Flight:
+    trajectory, text = Trajectory.load(path), Trajectory.load_scenario(path)
+    scenario, problem = parse_scenario(text, path)
+    info = RunInfo(path=path, scenario=scenario, scenario_text=text, scenario_problem=problem)
+    return Flight(trajectory, info)
 
 
 def read_flight(
@@ -142,6 +149,8 @@ def read_flight(
         )
     period = scenario.period if scenario is not None else _period(columns[STATE])
     targets = _targets(n, columns[ACCEPTED_TARGET], scenario)
+    if scenario is not None:
+        torques = torques._replace(source=scenario.traits.current_sources(torques.source))
     return Flight(_trajectory(n, columns, torques, targets, period), info)
 
 

@@ -10,41 +10,17 @@ from spacecraft_gnc.scenario.checked import Checked
 from spacecraft_gnc.scenario.problems import shown, suggestion
 
 _CONTROLLER: Final = "nmpc_controller"
-_NEWTON: Final = ("shooting", "neighboring_extremal")
-_NEIGHBORING: Final = ("neighboring_extremal",)
-_TERMINAL_SET: Final = ("terminal_set",)
-_PENALISED: Final = ("shooting", "neighboring_extremal", "slsqp", "fsolve")
-_OPTIMAL: Final = (*_PENALISED, *_TERMINAL_SET)
-_FEEDBACK: Final = ("feedback",)
-READERS: Final = {
-    "formulation": _NEWTON,
-    "step_rule": _NEWTON,
-    "damping": _NEWTON,
-    "continuation": _NEWTON,
-    "nominal_rotation_vector": _NEIGHBORING,
-    "nominal_momentum": _NEIGHBORING,
-    "exact_every": _NEIGHBORING,
-    "ne_tolerance": _NEIGHBORING,
-    "ne_max_age": _NEIGHBORING,
-    "terminal_set": _TERMINAL_SET,
-    "stage_cost_scale": _TERMINAL_SET,
-    "weights.stage_rate": _TERMINAL_SET,
-    "weights.stage_momentum": _PENALISED,
-    "weights.terminal_attitude": _PENALISED,
-    "weights.terminal_momentum": _PENALISED,
-    "torque_penalty": _PENALISED,
-    "actuators": _PENALISED,
-    "standstill_error_deg": _PENALISED,
-    "weights.stage_attitude": _OPTIMAL,
-    "weights.stage_torque": _OPTIMAL,
-    "horizon": _OPTIMAL,
-    "residual_tolerance": _OPTIMAL,
-    "max_iterations": _OPTIMAL,
-    "feedback_attitude_gain": _FEEDBACK,
-    "feedback_momentum_gain": _FEEDBACK,
-}
-"""Parameter -> built-in methods that read it; those that all read are absent."""
+_NOMINAL_RUN: Final = "nominal_rotation_vector"
 _OF_A_NOMINAL_RUN: Final = ("nominal_momentum", "exact_every")
+
+
+def readers() -> dict[str, tuple[str, ...]]:
+    """Return the built-in methods that read a parameter, where not all of them do."""
+    found: dict[str, tuple[str, ...]] = {}
+    for method, built_in in registry.BUILT_IN["controllers"].items():
+        for name in sorted(built_in.traits.reads):
+            found[name] = (*found.get(name, ()), method)
+    return found
 
 
 def check_method(checked: Checked) -> None:
@@ -57,14 +33,13 @@ def check_method(checked: Checked) -> None:
     built_in = registry.BUILT_IN["controllers"].get(str(method))
     if built_in is None:
         return
-    _check_variant(checked, str(method), built_in.variants)
-    for name, readers in READERS.items():
-        if method not in readers and checked.is_changed(_CONTROLLER, name):
-            need = f"a method that reads it ({' or '.join(readers)}), not {method}"
-            remedy = f"remove it, or set method: {readers[0]}"
+    _check_variant(checked, str(method), built_in.traits.variants)
+    for name, known in readers().items():
+        if method not in known and checked.is_changed(_CONTROLLER, name):
+            need = f"a method that reads it ({' or '.join(known)}), not {method}"
+            remedy = f"remove it, or set method: {known[0]}"
             _complain(checked, name, need, remedy)
-    nominal = checked.get(_CONTROLLER, "nominal_rotation_vector")
-    if method not in _NEIGHBORING or nominal != []:
+    if _NOMINAL_RUN not in built_in.traits.reads or checked.get(_CONTROLLER, _NOMINAL_RUN) != []:
         return
     for name in _OF_A_NOMINAL_RUN:
         if checked.is_changed(_CONTROLLER, name):
@@ -77,9 +52,10 @@ def unread_by(method: str, names: Iterable[str]) -> Iterator[str]:
     built_in = registry.BUILT_IN["controllers"].get(method)
     if built_in is None:
         return
+    known = readers()
     for name in names:
-        ignored = method not in READERS.get(name, (method,))
-        if ignored or (name == "variant" and not built_in.variants):
+        ignored = method not in known.get(name, (method,))
+        if ignored or (name == "variant" and not built_in.traits.variants):
             yield name
 
 

@@ -17,6 +17,8 @@ from typing import Any, Final, NamedTuple
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.loop import traits as methods
+from spacecraft_gnc.loop.traits import MethodTraits
 from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
 
 
@@ -25,24 +27,24 @@ class BuiltIn(NamedTuple):
 
     target: str
     """``module:class``"""
-    variants: tuple[str, ...] = ()
-    """Words that ``variant`` may be; empty where the method has no variants."""
+    traits: MethodTraits = MethodTraits()
+    """Of a method; its class says the same."""
 
 
 BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
     "plants": {"rigid_body": BuiltIn("spacecraft_gnc.loop.plants:RigidBodyPlant")},
     "controllers": {
-        "shooting": BuiltIn(
-            "spacecraft_gnc.loop.controllers:ShootingController",
-            ("exact", "estimated_du", "estimated_u"),
-        ),
+        "shooting": BuiltIn("spacecraft_gnc.loop.controllers:ShootingController", methods.SHOOTING),
         "neighboring_extremal": BuiltIn(
-            "spacecraft_gnc.loop.neighboring:NeighboringExtremalController"
+            "spacecraft_gnc.loop.neighboring:NeighboringExtremalController",
+            methods.NEIGHBORING_EXTREMAL,
         ),
-        "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController"),
-        "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController"),
-        "terminal_set": BuiltIn("spacecraft_gnc.loop.terminal_set:TerminalSetController"),
-        "feedback": BuiltIn("spacecraft_gnc.loop.feedback:FeedbackController"),
+        "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController", methods.BASELINE),
+        "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController", methods.BASELINE),
+        "terminal_set": BuiltIn(
+            "spacecraft_gnc.loop.terminal_set:TerminalSetController", methods.TERMINAL_SET
+        ),
+        "feedback": BuiltIn("spacecraft_gnc.loop.feedback:FeedbackController", methods.FEEDBACK),
     },
     "governors": {
         "none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor"),
@@ -75,6 +77,18 @@ def provider(group: str, name: str) -> str:
         if entry.name == name and entry.dist is not None:
             return f"{entry.dist.name} {entry.dist.version}"
     return ""
+
+
+def traits(method: str) -> MethodTraits:
+    """Return the traits of a method; those of one that declares nothing where it is not here."""
+    if method in BUILT_IN["controllers"]:
+        return BUILT_IN["controllers"][method].traits
+    try:
+        _, factory = _load("controllers", method, _Problems("", "controllers", method))
+    except InvalidScenario:  # whoever builds the method says so
+        return MethodTraits()
+    declared = getattr(factory, "traits", None)
+    return declared if isinstance(declared, MethodTraits) else MethodTraits()
 
 
 def create(group: str, name: str, scenario: Any) -> Any:

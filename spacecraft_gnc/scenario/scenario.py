@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.loop.traits import MethodTraits
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.declare import flatten, known_names, unflatten
 from spacecraft_gnc.scenario.parameter import Value
@@ -28,9 +29,6 @@ from spacecraft_gnc.types import Matrix3
 if TYPE_CHECKING:  # the cores need numba, a check of a file does not
     from spacecraft_gnc.loop.closed_loop import ClosedLoop
     from spacecraft_gnc.loop.protocols import Controller, Governor, Plant
-
-_REFUSE_STARTS: Final = ("terminal_set",)
-"""Methods that refuse a start when they are built."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -77,6 +75,11 @@ class Scenario:
         """Whole control steps in the duration."""
         period = self.substeps * self.plant.time_step
         return math.floor(self.plant.duration / period * (1.0 + 1e-12))  # 150 / 0.4 is 375
+
+    @property
+    def traits(self) -> MethodTraits:
+        """What the method declares of itself."""
+        return registry.traits(self.controller.method)
 
     def build(self) -> ClosedLoop:
         """Return the closed loop of this scenario, ready to run.
@@ -128,7 +131,7 @@ class Scenario:
         GncError
             As `build_controller` and `build_governor` do.
         """
-        if self.controller.method in _REFUSE_STARTS:
+        if self.traits.refuses_starts:
             self.build_controller()
         if self.governor.governor != "none":
             self.build_governor()

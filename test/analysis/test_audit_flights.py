@@ -13,12 +13,15 @@ from spacecraft_gnc.analysis.audit.ledger import Ledger
 from spacecraft_gnc.analysis.audit.plans import Certifier
 from spacecraft_gnc.analysis.audit.run import audit_bag
 from spacecraft_gnc.analysis.audit.solver import SolverAudit
+from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.recording._topic import step_of
 from spacecraft_gnc.recording.bag import open_bag
+from spacecraft_gnc.recording.reader import read_flight
 
 APPLIED = "plant_invariants.applied_torque"
 NS = 400_000_000  # control period [ns]
+CODEC_NAMES = {"/torque_command": "TorqueCommand", "/plant_invariants": "PlantInvariants"}
 FLIGHTS = {
     "single shooting": {"nmpc_controller": {"formulation": "single_shooting"}},
     "estimated": {"nmpc_controller": {"variant": "estimated_du"}},
@@ -116,6 +119,30 @@ def test_every_method_passes_and_one_changed_command_is_caught(tmp_path, name):
     assert changed != messages_of(flown)
     found = audit_bag(rewrite(flown, tmp_path / "changed", changed))
     assert first_of(found)[1:] == (3, "torque_command.torque[0]")
+
+
+def test_a_flight_of_before_the_source_of_the_method_passes_and_is_read_as_now(tmp_path):
+    """Its law's commands were called FEEDBACK, in the command and in what the plant tells."""
+    flown = fly(tmp_path, sections(**FLIGHTS["feedback"]))
+    former = {"/torque_command": "source", "/plant_invariants": "applied_source"}
+
+    def renamed(source):
+        return Source.FEEDBACK if source == Source.METHOD else source
+
+    changed = [
+        (topic, stamp, edited(CODEC_NAMES[topic], **{former[topic]: renamed})(data)
+         if topic in former else data)
+        for topic, stamp, data in messages_of(flown)
+    ]  # fmt: skip
+    assert changed != messages_of(flown)
+    old = rewrite(flown, tmp_path / "old", changed)
+    audit = audit_bag(old)
+    assert audit.passed, audit.first
+    assert examined(audit)["command of the law"] == 12
+    trajectory, info = read_flight(old)
+    assert (trajectory.source == Source.METHOD).all()
+    metrics = summarize(trajectory, info.scenario)
+    assert (metrics["sources"], metrics["fallback_steps"]) == ({"METHOD": 12}, 0)
 
 
 def examined(audit):

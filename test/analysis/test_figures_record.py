@@ -73,17 +73,23 @@ def test_stretches_cover_the_flight_without_a_gap():
     assert found[-1].end == series.state_times(flight)[-1]
 
 
+def test_any_fallback_of_an_interval_hides_the_method_itself():
+    own, zero = 5, 4
+    found = stretches(at_rest(6, source=np.array([own, own, own, zero, own, own])), 2)
+    assert [(s.source, s.steps) for s in found] == [(own, 2), (zero, 2), (own, 2)]
+
+
 @pytest.mark.parametrize("width", [2, 3, 7, 100])
 def test_steps_taken_together_show_their_lowest_rung(width):
     found = stretches(at_rest(source=SOURCES), width)
     assert sum(s.steps for s in found) == len(SOURCES)
-    ranked = np.where(SOURCES == NOT_RECORDED, 9, SOURCES)
+    ranked = np.where(SOURCES == NOT_RECORDED, 9, SOURCES)  # it has none of the method's own
     worst = {int(ranked[k : k + width].max()) for k in range(0, len(SOURCES), width)}
     assert {9 if s.source == NOT_RECORDED else s.source for s in found} == worst
 
 
 def test_the_band_has_the_colours_of_the_ladder():
-    flight = at_rest(source=np.repeat(np.arange(5), 4))
+    flight = at_rest(24, source=np.repeat(np.arange(6), 4))
     (axes,) = record_makers(flight, computed(flight))["sources"]().axes
     colours = [to_hex(bar.get_facecolor()).upper() for bar in axes.patches]
     assert colours == list(style.SOURCE_COLOURS)

@@ -210,10 +210,12 @@ def test_the_torque_limit_may_be_the_governors():
 
 
 def test_the_torque_of_the_feedback_method_is_no_fallback():
-    flight = at_rest(3, source=np.array([3, 3, 4]))
     feedback = scenario(method="feedback")
-    assert summarize(flight, feedback)["fallback_steps"] == 1
-    assert summarize(flight, scenario())["fallback_steps"] == 3
+    for own in (3, 5):  # as flights of before `Source.METHOD` call it, and as those of now do
+        metrics = summarize(at_rest(3, source=np.array([own, own, 4])), feedback)
+        assert metrics["fallback_steps"] == 1
+        assert metrics["sources"] == {"ZERO": 1, "METHOD": 2}
+    assert summarize(at_rest(3, source=np.array([3, 3, 4])), scenario())["fallback_steps"] == 3
 
 
 def test_lost_steps_are_counted_and_passed_over():

@@ -93,7 +93,7 @@ def test_a_law_without_a_plan_has_no_cost():
     scenario, flight = flown()
     again = answered(scenario, flight, "feedback")
     assert np.isnan(again.cost_difference).all()
-    assert (again.replayed.source == Source.FEEDBACK).all()
+    assert (again.replayed.source == Source.METHOD).all()
     assert (again.replayed.iterations == 0).all()
     numbers = compare(again, scenario, scenario)
     assert numbers["cost_difference_max"] is None

@@ -16,6 +16,7 @@ from spacecraft_gnc.cli._common import json_able
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
+from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.scenario import load
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
@@ -92,6 +93,24 @@ def test_the_file_holds_the_arrays_that_the_design_names(tmp_path: Path) -> None
     assert shapes["source"] == shapes["residual"] == shapes["solve_time"] == (10,)
     assert shapes["attitude"] == shapes["reference"] == (10, 3, 3)
     assert shapes["momentum"] == shapes["torque"] == (10, 3)
+    assert shapes["scenario"] == ()
+
+
+def test_the_file_tells_what_flew(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With the overrides, so that a report knows the limit that was kept."""
+    file = tmp_path / "a.npz"
+    limit = ("--set", "nmpc_controller.max_torque=0.005")
+    assert run(capsys, "simulate", CASE_1, *SHORT, *limit, "--quiet", "--out", str(file))[0] == 0
+    info = load_run(file).info
+    assert info.scenario is not None
+    assert info.warnings() == []
+    assert info.scenario.controller.max_torque == 0.005
+    assert info.scenario.values == load(CASE_1, [*SHORT[1::2], limit[1]]).values
+    page = str(tmp_path / "a.html")
+    code, out, _ = run(capsys, "report", str(file), "--json", "--out", page)
+    (told,) = json.loads(out)["runs"]
+    assert (code, told["metrics"]["torque_limit"], told["warnings"]) == (0, 0.005, [])
+    assert run(capsys, "replay", str(file), "--quiet") == (0, "", "")
 
 
 def test_summary_for_people(capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,7 +13,6 @@ from strategies import unit_vectors
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.governors import controller_loop
 from spacecraft_gnc.governors.controller_loop import ControllerLoopPredictor, ShootingLoopPredictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
@@ -248,10 +247,11 @@ def test_commands_that_come_from_no_good_solve_are_refused():
     controller = Torque(damped)
     predictor = ControllerLoopPredictor(controller, BODY, 1, ReferenceSet(), EYE)
     assert predictor.predict(at(0.3 * Z), EYE).admissible
-    controller.source = Source.SHIFTED_PLAN
-    found = predictor.predict(at(0.3 * Z), EYE)
-    assert (found.admissible, found.constraint, found.violation_step) == (False, "solver", 0)
-    assert controller_loop.LAST_GOOD_SOURCE == Source.NEIGHBORING_EXTREMAL
+    for controller.source in Source:
+        found = predictor.predict(at(0.3 * Z), EYE)
+        refused = (found.admissible, found.constraint, found.violation_step) == (False, "solver", 0)
+        stands_in = controller.source in (Source.SHIFTED_PLAN, Source.FEEDBACK, Source.ZERO)
+        assert (refused, found.admissible) == (stands_in, not stands_in)
 
 
 @pytest.mark.parametrize("kind", [ShootingLoopPredictor, ControllerLoopPredictor])

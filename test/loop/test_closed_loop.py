@@ -81,6 +81,19 @@ def test_a_flight_survives_the_disk(build, tmp_path):
     assert back.period == trajectory.period
     for name in ("time", "attitude", "torque", "status", "final_attitude"):
         assert np.array_equal(getattr(back, name), getattr(trajectory, name))
+    assert Trajectory.load_scenario(tmp_path / "flight.npz") == ""
+
+
+def test_a_flight_keeps_the_text_of_its_scenario(build, tmp_path):
+    text = "plant:\n  ros__parameters:\n    # Größe\n    duration: 4.0\n"
+    file = build(2).run().save(tmp_path / "flight.npz", text)
+    assert Trajectory.load_scenario(file) == text
+    assert Trajectory.load(file).n_steps == 2
+    whole = file.read_bytes()
+    at = whole.index(b"scenario.npy") + 60  # in its compressed content
+    file.write_bytes(whole[:at] + b"\xff" * 8 + whole[at + 8 :])
+    with pytest.raises(RecordingError, match="gnc simulate"):
+        Trajectory.load_scenario(file)
 
 
 def test_a_file_is_written_whole_or_not_at_all(build, tmp_path):

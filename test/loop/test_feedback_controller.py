@@ -25,7 +25,7 @@ def test_gains_and_limit_are_those_of_the_scenario():
     assert (controller.name, controller.slow, controller.period) == ("feedback", False, 0.1)
     assert np.array_equal(controller.feedback.attitude_gain, np.diag([0.1, 0.2, 0.3]))
     command = controller.command(START, TARGET)
-    assert (command.source, command.solution, command.status) == (Source.FEEDBACK, None, None)
+    assert (command.source, command.solution, command.status) == (Source.METHOD, None, None)
     assert np.linalg.norm(command.torque) == pytest.approx(0.05)
 
 

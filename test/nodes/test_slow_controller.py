@@ -13,6 +13,7 @@ from rclpy.node import Node
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Command, Reference, State
 from spacecraft_gnc.loop.controllers import ShootingController
+from spacecraft_gnc.loop.traits import SHOOTING
 from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes._topics import CLOCK
@@ -56,7 +57,7 @@ def controller(ros: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
         "error": None,
     }.items():
         monkeypatch.setattr(Gated, name, value, raising=False)
-    gated = registry.BuiltIn(f"{__name__}:Gated", ("exact",))
+    gated = registry.BuiltIn(f"{__name__}:Gated", SHOOTING)
     monkeypatch.setitem(registry.BUILT_IN["controllers"], "shooting", gated)
     node = activated(ros.add(ControllerNode()))
     node.sent = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from importlib import metadata
 from typing import Any
 
@@ -132,4 +133,10 @@ def test_the_built_in_ones_exist() -> None:
 def test_the_variants_are_those_of_the_solver() -> None:
     from spacecraft_gnc.ocp import shooting
 
-    assert registry.BUILT_IN["controllers"]["shooting"].variants == shooting.VARIANTS
+    assert registry.traits("shooting").variants == shooting.VARIANTS
+
+
+@pytest.mark.parametrize("name", registry.BUILT_IN["controllers"])
+def test_a_method_declares_the_traits_by_which_it_is_listed(name: str) -> None:
+    module, _, attribute = registry.BUILT_IN["controllers"][name].target.partition(":")
+    assert getattr(importlib.import_module(module), attribute).traits == registry.traits(name)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +22,6 @@ from spacecraft_gnc.analysis.audit.torques import audit_torques, held_steps
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
 from spacecraft_gnc.scenario import registry
-
-FEEDBACK: Final = "feedback"
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +128,7 @@ def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None)
             solver.audit(block)
     else:
         ledger.skip("plans of the solver", f"method {method} makes none that is known here")
-    if method != FEEDBACK and (certifier is None or not certifier.has_law):
+    if not scenario.traits.memoryless and (certifier is None or not certifier.has_law):
         if certifier is None:
             ledger.skip(LAW, f"method {method} is a plug-in's, which may remember its past")
         return

@@ -77,7 +77,8 @@ def audit_law(
         torques[i], sources[i] = command.torque, command.source
         recorded[i], published[i] = found.torque, found.source
     ledger.compare(LAW, steps, {_TORQUE: recorded}, {_TORQUE: torques})
-    ledger.compare(LAW, steps, {_SOURCE: published}, {_SOURCE: sources})
+    current = evidence.scenario.traits.current_sources(published)
+    ledger.compare(LAW, steps, {_SOURCE: current}, {_SOURCE: sources})
 
 
 def restored(certifier: Certifier, plans: Plans, rows: dict[str, NDArray[Any]], i: int) -> Solution:

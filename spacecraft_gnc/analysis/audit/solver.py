@@ -20,6 +20,10 @@ from spacecraft_gnc.recording.steps import REFERENCE, STATE, TORQUE
 
 SOLVED: Final = (Status.CONVERGED, Status.STALLED, Status.ESCAPING)
 """How a step ends whose solve converged."""
+_UNSOLVED: Final = [source for source in Source if source.is_fallback] + [
+    Source.NEIGHBORING_EXTREMAL
+]
+"""Where the torque of a step comes from whose solve did not."""
 
 
 class SolverAudit:
@@ -89,7 +93,7 @@ class SolverAudit:
         source = self._evidence.rows(TORQUE, "source", steps)
         corrected = block.fields["formulation"][at] == NEIGHBORING
         best = np.where(corrected, Source.NEIGHBORING_EXTREMAL, Source.OPTIMAL)
-        kept = np.where(solved[at], source == best, source > Source.OPTIMAL)
+        kept = np.where(solved[at], source == best, np.isin(source, _UNSOLVED))
         self._ledger.require(
             "source follows from the status", "always", steps, "torque_command.source", kept
         )

@@ -51,7 +51,7 @@ def status_name(status: int) -> str:
 
 
 def source_name(source: int) -> str:
-    """Return the rung of the fallback ladder in words; it is a constant of TorqueCommand."""
+    """Return in words where a torque came from; it is a constant of TorqueCommand."""
     known = 0 <= source < len(Source)
     return Source(source).name.lower().replace("_", " ") if known else "unknown"
 
@@ -187,7 +187,7 @@ class Picture:
     momentum, torque
         (3,) body frame [N m s], [N m].
     source
-        Rung of the fallback ladder that the torque came from; -1: not known.
+        Where the torque came from, a constant of TorqueCommand; -1: not known.
     rates
         Messages per wall second by topic.
     """

@@ -47,7 +47,7 @@ def source_chart(runs: Sequence[Run], points: int) -> Chart:
             "height": 110 + _BAND_HEIGHT * len(runs),
         }
     )
-    note = "Rung of the fallback ladder that each applied torque came from."
+    note = "The method itself, or the rung of its fallback ladder that gave each applied torque."
     if merged:
         note += " Of a long run, each interval of the band shows its lowest rung."
     return Chart("sources", "Source of the torque", note, drawn, wide=True)

@@ -10,6 +10,7 @@ export const SOURCES = [
   ["shifted plan", "#f2b134"],
   ["feedback", "#f58a45"],
   ["zero", "#f0554a"],
+  ["method", "#3d8bfd"],
 ];
 
 // A number with an SI prefix that suits it: [text, factor, prefix].
@@ -163,7 +164,7 @@ function decade(v) {
   return power >= -3 && power <= 3 ? `${+(10 ** power).toPrecision(1)}` : `1e${power}`;
 }
 
-// The rung of the fallback ladder that each torque came from.
+// Where each torque came from.
 export function drawSources(canvas, times, sources, span, now) {
   const [pen, w, h] = begin(canvas);
   const [x0, x1] = [MARGIN.left, w - MARGIN.right];

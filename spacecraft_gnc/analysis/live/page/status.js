@@ -22,13 +22,12 @@ function fill(list, rows) {
 export function showNumbers(frame, setup) {
   const by = (id) => document.getElementById(id);
   const { solve, decision, timing } = frame;
-  const wanted = setup?.method === "feedback" ? "feedback" : "optimal";
-  const solves = setup?.method !== "feedback";
+  const solves = frame.source !== "method";
   const governed = decision && setup?.governor && setup.governor !== "none";
   fill(by("state"), [
     ["error to reference", digits(frame.error_deg, 4, "°")],
     ["error to target", governed ? digits(frame.target_error_deg, 4, "°") : "–"],
-    ["torque from", frame.torque ? frame.source : "–", ["optimal", "neighboring extremal", wanted].includes(frame.source) ? "" : "warn"],
+    ["torque from", frame.torque ? frame.source : "–", ["optimal", "neighboring extremal", "method"].includes(frame.source) ? "" : "warn"],
     ...Object.entries(frame.margins_deg).map(([name, v]) => [
       `margin to ${name}`, digits(v, 4, "°"), v < 0 ? "bad" : "",
     ]),
