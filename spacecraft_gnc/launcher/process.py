@@ -7,12 +7,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 
 from spacecraft_gnc.launcher.environment import TELL_WHERE
 
-_TAIL: Final = 12  # lines of a log that are shown
+_TAIL: Final = 20  # lines of a log that are shown
 _TAIL_BYTES: Final = 8192
 _LAST_WORDS: Final = 0.5  # [s] wall
 _POLL: Final = 0.02  # [s] wall
@@ -82,6 +83,9 @@ class NodeProcess:
 
     def _kill(self) -> int:
         """Let it tell its log where it hangs, then kill it; return the code."""
+        title = f"{self.name}: did not end within {self._overdue:.1f} s; its threads:\n"
+        with suppress(OSError), self.log.open("ab") as log:
+            log.write(title.encode())
         self._popen.send_signal(TELL_WHERE)  # ends a process that is no node of ours yet
         try:
             return self._popen.wait(_LAST_WORDS)

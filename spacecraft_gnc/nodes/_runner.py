@@ -6,6 +6,7 @@ went away), 1 it could not go on, 2 its parameters were refused.
 
 from __future__ import annotations
 
+import atexit
 import faulthandler
 import gc
 import os
@@ -55,7 +56,10 @@ def run(*node_types: type[GncNode], arguments: Sequence[str] | None = None) -> i
     int
         Exit code.
     """
+    ending = _Ending() if os.environ.get(SUPERVISED) == "1" else None
     code = _run(node_types, list(sys.argv if arguments is None else arguments))
+    if ending is not None:
+        ending.code = code
     # Nodes are made of cycles, and what DDS has of them lives until these are collected. Left to
     # the end of the interpreter, its threads can meet a Python half gone and keep the process.
     gc.collect()
@@ -107,6 +111,26 @@ def report(error: Exception) -> None:
         print(f"error: {line}", file=sys.stderr, flush=True)
 
 
+class _Ending:
+    """The end of a process that a launcher started: it hangs in no place that it cannot tell.
+
+    `faulthandler` falls silent when the interpreter is taken down, and whoever hangs after that, as
+    a thread of DDS can, is killed by the signal that asks for its stacks, without a word. So the
+    last of the functions that run at exit, which is the first to be registered, leaves at once.
+    """
+
+    def __init__(self) -> None:
+        self.code = 1
+        faulthandler.register(TELL_WHERE)
+        atexit.register(self._leave)
+
+    def _leave(self) -> None:
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(Exception):  # a log on a full disk
+                stream.flush()
+        os._exit(self.code)
+
+
 class _StopRequest:
     """Whether a signal, or the end of a supervising launcher, asks this process to end."""
 
@@ -116,8 +140,6 @@ class _StopRequest:
         self._next_look = 0.0
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, self._ask)
-        if self._supervised:
-            faulthandler.register(TELL_WHERE)
 
     def _ask(self, *_: Any) -> None:
         self._asked = True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 from pathlib import Path
 
@@ -54,7 +55,9 @@ def test_one_that_hangs_tells_where(tmp_path: Path) -> None:
     process = start(HANGING, tmp_path / "log")
     end_all([process], 0.1)
     assert process.exit_code == -signal.SIGKILL
-    assert any("in stuck_here" in line for line in process.last_words())
+    words = process.last_words()
+    assert re.fullmatch(r"plant: did not end within \d\.\d s; its threads:", words[1])
+    assert any("in stuck_here" in line for line in words[2:])
 
 
 def test_sees_the_launcher_go(tmp_path: Path) -> None:

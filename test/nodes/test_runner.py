@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.launcher.environment import for_node
+from spacecraft_gnc.launcher.process import NodeProcess
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 RUN_AND_LOOK = """
@@ -69,3 +73,68 @@ def test_a_node_that_was_never_configured_ends_well(tmp_path: Path) -> None:
     )
     lock.release()
     assert (ended.returncode, ended.stderr) == (0, "")
+
+
+HANGING = """
+import ctypes, sys, threading
+from spacecraft_gnc.nodes._runner import run
+from spacecraft_gnc.nodes.recorder import RecorderNode
+
+place = sys.argv.pop(1)
+endless = threading.Event()
+
+def stuck_here(*_):
+    print("stuck", flush=True)
+    endless.wait()
+
+class Node(RecorderNode):
+    on_shutdown = stuck_here if place == "shutdown" else RecorderNode.on_shutdown
+
+    def start(self):
+        super().start()
+        print("up", flush=True)
+
+if place == "thread":
+    threading.Thread(target=stuck_here).start()
+if place == "library":
+    libc = ctypes.CDLL(None)
+    libc.__cxa_atexit(libc.pause, None, None)
+sys.exit(run(Node))
+"""
+
+
+def reached(node: NodeProcess, word: str) -> None:
+    while word not in node.last_words():
+        assert node.exit_code is None, node.last_words()
+
+
+def ended_by_its_launcher(place: str, folder: Path) -> NodeProcess:
+    """Return a node that was told to end while its function ``stuck_here`` waits somewhere."""
+    lock = domain.claim_free({"test": "runner"})
+    arguments = ["-c", HANGING, place, "--ros-args", "--params-file", str(CASE1)]
+    arguments += ["-p", f"storage_folder:={folder / 'bag'}"]
+    environment = for_node(os.environ, lock.domain_id)
+    node = NodeProcess("recorder", arguments, environment, folder / "log")
+    reached(node, "up")
+    node.end()
+    if place != "library":
+        reached(node, "stuck")
+    node.join(0.1 if place != "library" else 30.0)
+    lock.release()
+    return node
+
+
+@pytest.mark.parametrize("place", ["shutdown", "thread"])
+def test_a_node_that_hangs_leaves_its_stacks(tmp_path: Path, place: str) -> None:
+    node = ended_by_its_launcher(place, tmp_path)
+    assert node.exit_code == -signal.SIGKILL
+    words = node.last_words()
+    title = next(i for i, line in enumerate(words) if line.endswith("its threads:"))
+    assert any("in stuck_here" in line for line in words[title:])
+
+
+def test_what_would_hang_after_python_has_ended_is_not_waited_for(tmp_path: Path) -> None:
+    """There no stack can be told any more: the signal that asks for it ends the process."""
+    node = ended_by_its_launcher("library", tmp_path)
+    assert node.exit_code == 0
+    assert node.last_words() == ["up"]
