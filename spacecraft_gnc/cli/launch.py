@@ -21,6 +21,7 @@ from spacecraft_gnc.cli._common import (
     print_table,
     tell_warnings,
 )
+from spacecraft_gnc.launcher.deadlines import misses_most
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
@@ -73,7 +74,7 @@ def launch(
     plan = make_plan(scenario, changes, namespace=namespace, out=out, record=not no_record)
     if not (quiet or as_json):
         tell_warnings(plan.scenario)
-    launcher = Launcher(plan, choose(quiet=quiet or as_json), born)
+    launcher = Launcher(plan, choose(quiet=quiet, warnings_only=as_json), born)
     try:
         outcome = launcher.run()
     except Interrupted as error:
@@ -116,7 +117,7 @@ def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -
     rows = summary_rows(metrics) if outcome.bags else []
     if plan.scenario.plant.mode == "free_run":
         rows += [("state to torque", _latency(metrics))] if outcome.bags else []
-        rows.append(("deadlines missed", f"{outcome.missed_deadlines} of {outcome.steps}"))
+        rows.append(("deadlines missed", _missed(outcome)))
     rows += [("restarted", name) for name in outcome.restarts]
     rows += [("recorded in", bag) for bag in outcome.bags]
     print_table([*rows, ("logs", str(plan.logs))])
@@ -174,8 +175,15 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
     }
 
 
+def _missed(outcome: Outcome) -> str:
+    text = f"{outcome.missed_deadlines} of {outcome.steps}"
+    if not misses_most(outcome.missed_deadlines, outcome.steps):
+        return text
+    return f"{text}: lower --rate, or fly with --mode lockstep"
+
+
 def _latency(m: dict[str, Any]) -> str:
     if m["latency_median"] is None:
-        return "-"
+        return "never in time"
     median, p99, longest = (1e3 * m[f"latency_{name}"] for name in _SHARES)
     return f"{median:.2f} ms median, {p99:.2f} ms 99 %, {longest:.2f} ms longest"

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.launcher import domain, environment
+from spacecraft_gnc.launcher.deadlines import lateness
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused, Outcome
 from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan, node_options
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
@@ -48,6 +49,7 @@ class Launcher:
         self._bags = [plan.bag] if plan.records else []
         self._startup_time = math.nan
         self._signal = 0
+        self._warned = False
 
     def run(self) -> Outcome:
         """Fly the scenario and return how it went.
@@ -107,7 +109,9 @@ class Launcher:
                 while not self._finished():
                     self._watch(supervisor)
                     self.display.flying(supervisor.progress)
+                    self._warn(supervisor.progress)
                 supervisor.spin(0.0)
+                self._warn(supervisor.progress, over=True)
                 self._end()
                 self._require_good_ends()
                 return supervisor.progress
@@ -149,6 +153,14 @@ class Launcher:
         for name, process in list(self._processes.items()):
             if process.exit_code is not None and not self._finished():
                 self._on_death(name, process, supervisor.progress.step)
+
+    def _warn(self, progress: Any, *, over: bool = False) -> None:
+        """Say once that the controller does not keep up."""
+        elapsed = math.inf if over else progress.wall_elapsed
+        text = lateness(progress.missed_deadlines, progress.step, elapsed, self.plan.scenario)
+        if text and not self._warned:
+            self._warned = True
+            self.display.warn(text)
 
     def _finished(self) -> bool:
         """Whether the plant has flown the scenario."""

@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 import sys
 import time
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, Protocol
+
+from spacecraft_gnc.launcher.deadlines import misses_most
 
 if TYPE_CHECKING:
     from spacecraft_gnc.launcher.plan import LaunchPlan
 
 _LINE_PERIOD: Final = 5.0  # [s] wall time between two plain lines
+_WIDE: Final = 110  # columns of a terminal from which the bar is the wide one
+_WIDE_BAR, _NARROW_BAR = 30, 10  # columns
+_AROUND: Final = len("starting   100.0 %  ")  # columns of what stands beside bar and status
 
 
 class Report(Protocol):
@@ -27,7 +33,7 @@ class Report(Protocol):
 
 
 class Display:
-    """Shows nothing: the base of what shows something."""
+    """Shows warnings only: the base of what shows more. All of it goes to stderr."""
 
     def waiting(self, plan: LaunchPlan, domain_id: int) -> None:
         """Take note that the processes were started."""
@@ -41,8 +47,19 @@ class Display:
     def note(self, text: str) -> None:
         """Take note of something worth a line."""
 
+    def warn(self, text: str) -> None:
+        """Print a warning."""
+        print(f"warning: {text}", file=sys.stderr, flush=True)
+
     def close(self) -> None:
         """Show nothing more."""
+
+
+class Silence(Display):
+    """Shows nothing."""
+
+    def warn(self, text: str) -> None:
+        """Keep it to itself."""
 
 
 class PlainLines(Display):
@@ -57,7 +74,7 @@ class PlainLines(Display):
         """Say what was started and where."""
         self._n_steps, self._period = plan.scenario.n_steps, plan.scenario.period
         self._last = time.monotonic()
-        print(introduction(plan, domain_id), flush=True)
+        print(introduction(plan, domain_id), file=sys.stderr, flush=True)
 
     def flying(self, report: Report) -> None:
         """Print a line if the last one is old."""
@@ -65,23 +82,33 @@ class PlainLines(Display):
             return
         self._last = time.monotonic()
         share = report.step / self._n_steps
-        print(f"  {share:6.1%}  {describe(report, self._period)}", flush=True)
+        text = ", ".join(describe(report, self._period))
+        print(f"  {share:6.1%}  {text}", file=sys.stderr, flush=True)
 
     def note(self, text: str) -> None:
         """Print it."""
-        print(f"  {text}", flush=True)
+        print(f"  {text}", file=sys.stderr, flush=True)
 
 
 class Bar(Display):
     """A progress bar on a terminal."""
 
     def __init__(self) -> None:
+        from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn
+        from rich.table import Column
 
+        console = Console(stderr=True)
+        bar = _WIDE_BAR if console.width >= _WIDE else _NARROW_BAR
+        self._room = console.width - bar - _AROUND
         self._bar = Progress(
             TextColumn("{task.description}"),
-            BarColumn(bar_width=30),
-            TextColumn("{task.percentage:>5.1f} %  {task.fields[status]}"),
+            BarColumn(bar_width=bar),
+            TextColumn(
+                "{task.percentage:>5.1f} %  {task.fields[status]}",
+                table_column=Column(no_wrap=True),
+            ),
+            console=console,
             auto_refresh=False,  # no thread: the launcher draws when it has something new
             transient=True,
         )
@@ -98,6 +125,9 @@ class Bar(Display):
     def starting(self, stages: Mapping[str, str]) -> None:
         """Show how far the nodes have come."""
         status = ", ".join(f"{name} {stage}" for name, stage in stages.items())
+        if len(status) > self._room:
+            counts = Counter(stages.values())
+            status = ", ".join(f"{count} {stage}" for stage, count in counts.items())
         self._bar.update(self._task, status=status, refresh=True)
 
     def flying(self, report: Report) -> None:
@@ -106,7 +136,7 @@ class Bar(Display):
             self._task,
             description="flying",
             completed=max(report.step, 0),
-            status=describe(report, self._period),
+            status=fitting(describe(report, self._period), self._room),
             refresh=True,
         )
 
@@ -114,16 +144,22 @@ class Bar(Display):
         """Print it above the bar."""
         self._bar.console.print(f"  {text}", highlight=False)
 
+    def warn(self, text: str) -> None:
+        """Print it above the bar."""
+        self._bar.console.print(f"warning: {text}", highlight=False, markup=False)
+
     def close(self) -> None:
         """Remove the bar."""
         self._bar.stop()
 
 
-def choose(*, quiet: bool) -> Display:
+def choose(*, quiet: bool, warnings_only: bool = False) -> Display:
     """Return the display that suits the terminal, or its absence."""
     if quiet:
+        return Silence()
+    if warnings_only:
         return Display()
-    return Bar() if sys.stdout.isatty() else PlainLines()
+    return Bar() if sys.stderr.isatty() else PlainLines()
 
 
 def introduction(plan: LaunchPlan, domain_id: int) -> str:
@@ -135,18 +171,31 @@ def introduction(plan: LaunchPlan, domain_id: int) -> str:
     )
 
 
-def describe(report: Report, period: float) -> str:
-    """Put a report into words."""
+def describe(report: Report, period: float) -> list[str]:
+    """Put a report into words, those that matter most first."""
     simulated = max(report.step, 0) * period
     speed = simulated / report.wall_elapsed if report.wall_elapsed > 0.0 else math.nan
     # Plant and controller report in turn: quote the time that the error belongs to.
     told = report.status_step * period if report.status_step >= 0 else simulated
-    parts = [f"t = {told:.1f} s", _value(speed, "x real time", ".3g")]
-    parts.append(_value(math.degrees(report.attitude_error), "deg off", ".4g"))
-    parts.append(_value(report.solve_time * 1e6, "us/solve", ".0f"))
+    parts = [_value(math.degrees(report.attitude_error), "deg off", ".4g")]
     if report.missed_deadlines:
-        parts.append(f"{report.missed_deadlines} deadlines missed")
-    return ", ".join(part for part in parts if part)
+        most = misses_most(report.missed_deadlines, report.step)
+        share = f" of {report.step}" if most else ""
+        parts.append(f"{report.missed_deadlines}{share} deadlines missed")
+    parts += [f"t = {told:.1f} s", _value(speed, "x real time", ".3g")]
+    parts.append(_value(report.solve_time * 1e6, "us/solve", ".0f"))
+    return [part for part in parts if part]
+
+
+def fitting(parts: Sequence[str], room: int) -> str:
+    """Return the first of the parts, as many as fit into ``room`` characters."""
+    text = ""
+    for part in parts:
+        longer = f"{text}, {part}" if text else part
+        if len(longer) > room:
+            break
+        text = longer
+    return text
 
 
 def _value(value: float, unit: str, form: str) -> Any:

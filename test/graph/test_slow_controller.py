@@ -17,6 +17,7 @@ from rclpy.task import Future
 
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import NodeDied
+from spacecraft_gnc.launcher.progress import Display
 from spacecraft_gnc.nodes._topics import TORQUE
 from spacecraft_gnc.recording.reader import read_flight
 
@@ -66,6 +67,16 @@ def patient(tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.Monkey
     monkeypatch.setenv("PYTHONPATH", str(folder))
 
 
+class Warned(Display):
+    """Keeps what is warned of."""
+
+    def __init__(self) -> None:
+        self.warnings: list[str] = []
+
+    def warn(self, text: str) -> None:
+        self.warnings.append(text)
+
+
 class Questioner:
     """Asks the controller for a parameter while the graph flies."""
 
@@ -108,11 +119,14 @@ def test_a_slow_method_flies_the_same_and_answers_meanwhile(graph: Any, at: Any)
 
 
 @pytest.mark.usefixtures("patient")
-def test_in_free_run_its_late_answers_are_counted(graph: Any) -> None:
+def test_in_free_run_its_late_answers_are_counted_and_warned_of(graph: Any) -> None:
+    display = Warned()
     free_run = ("plant.mode=free_run", f"plant.real_time_factor={0.4 / (SOLVE / 3.0)}")
-    out = graph.fly(*OVERRIDES, *free_run)
+    out = graph.fly(*OVERRIDES, *free_run, display=display)
     assert graph.exit_codes == dict.fromkeys(graph.exit_codes, 0)
     assert graph.outcome.missed_deadlines > N_STEPS // 2
+    (warning,) = display.warnings
+    assert "torques came after their deadline" in warning
     flight = read_flight(out / "bag")
     assert flight.trajectory.n_steps == N_STEPS
     assert flight.info.missing["solver_status"]  # of several states the last was answered
