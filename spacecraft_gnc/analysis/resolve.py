@@ -14,20 +14,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.analysis.prices import Price, Pricing
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.closed_loop import FlightLog
-from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.loop.protocols import Controller, GovernorDecision, Reference, State
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
-    from spacecraft_gnc.ocp import AttitudeOcp, Solution
     from spacecraft_gnc.scenario import Scenario
 
 Progress = Callable[[int, int], None]
-_PENALISED = ("shooting", "neighboring_extremal", "slsqp", "fsolve")
-"""Methods that minimise the cost of `AttitudeOcp`."""
 
 
 class Resolved(NamedTuple):
@@ -39,9 +37,22 @@ class Resolved(NamedTuple):
     """(m,) rows as they flew."""
     replayed: Trajectory
     """The same states and references with the torques and solves of the other controller."""
-    cost_difference: Array
-    """(m,) cost of the new plan minus the recorded one, both by the recorded problem; NaN where
-    one of them has no plan, or the horizons differ."""
+    prices: tuple[tuple[Price, Price], ...]
+    """(m) what each recorded plan and each new one costs by the recorded problem."""
+
+    @property
+    def cost_difference(self) -> Array:
+        """(m,) cost of the new plan minus the recorded one, both by the recorded problem.
+
+        NaN where one of them has no plan of a converged solve, or the horizons differ.
+        """
+        flown = np.where(series.unconverged(self.recorded), math.nan, self.recorded.cost)
+        return np.array([new.cost for _, new in self.prices]) - flown
+
+    @property
+    def plain_cost_difference(self) -> Array:
+        """(m,) the same without penalties; NaN also where both solve the same problem."""
+        return np.array([new.plain - old.plain for old, new in self.prices])
 
     @property
     def torque_difference(self) -> Array:
@@ -93,22 +104,23 @@ def resolve(
     chosen = _complete(flight, *(steps or (0, flight.n_steps)))
     controller.warm_up()
     controller.reset()
-    price = _pricing(recorded, revised)
-    log, costs = FlightLog(len(chosen), flight.period), np.empty(len(chosen))
+    pricing = Pricing(recorded, revised)
+    log, prices = FlightLog(len(chosen), flight.period), []
     for i, k in enumerate(chosen):
         if cold:
             controller.reset()
         state, decision = _recorded(flight, int(k))
         command = controller.command(state, decision.reference)
         log.add(i, state, flight.target[k], decision, command)
-        costs[i] = price(command.solution, state)
+        as_flown = pricing.recorded(state, decision.reference, float(flight.cost[k]))
+        prices.append((as_flown, pricing.new(command.solution, state)))
         if progress is not None:
             progress(i + 1, len(chosen))
     excerpt = _excerpt(flight, chosen)
     answers = log.finish(state, decision.reference)
     names = ("torque", "residual", "cost", "solve_time", "iterations", "status", "source")
     replayed = replace(excerpt, **{name: getattr(answers, name) for name in names})
-    return Resolved(chosen, excerpt, replayed, costs - excerpt.cost)
+    return Resolved(chosen, excerpt, replayed, tuple(prices))
 
 
 def _require_period(controller: Controller, flight: Trajectory) -> None:
@@ -144,42 +156,6 @@ def _recorded(flight: Trajectory, k: int) -> tuple[State, GovernorDecision]:
     reference = Reference(flight.reference[k], np.zeros(3), np.zeros(3))
     alpha, margin = float(flight.alpha[k]), float(flight.governor_margin[k])
     return state, GovernorDecision(reference, alpha, True, margin, "", 0)
-
-
-def _pricing(recorded: Scenario, revised: Scenario) -> Callable[[Solution | None, State], float]:
-    """Return the cost of a solution's plan from a state, by the recorded problem."""
-    if _same_problem(recorded, revised):
-        return lambda solution, _: math.nan if solution is None else solution.cost
-    if recorded.controller.method not in _PENALISED:
-        return lambda _solution, _state: math.nan
-    ocp = problem_of(recorded)
-
-    def price(solution: Solution | None, state: State) -> float:
-        if solution is None or len(solution.torques) != ocp.horizon:
-            return math.nan
-        if not np.isfinite(solution.torques).all():
-            return math.nan
-        controls = solution.torques @ ocp.allocation.T
-        return ocp.cost(controls, state.attitude, state.momentum, solution.reference)
-
-    return price
-
-
-def _same_problem(recorded: Scenario, revised: Scenario) -> bool:
-    """Tell whether both minimise the same cost."""
-    methods = (recorded.controller.method, revised.controller.method)
-    if any(method not in _PENALISED for method in methods):
-        return recorded is revised
-    if revised.controller.method == "slsqp" and methods[0] != methods[1]:
-        return False  # its limits are hard: it leaves the penalties out of its cost
-    one, other = problem_of(recorded), problem_of(revised)
-    return one.horizon == other.horizon and all(
-        np.array_equal(a, b) for a, b in zip(_numbers(one), _numbers(other), strict=True)
-    )
-
-
-def _numbers(ocp: AttitudeOcp) -> tuple[Array, Array, Array]:
-    return ocp.body.packed, ocp.data, ocp.zone_rows
 
 
 def _excerpt(flight: Trajectory, steps: NDArray[np.int64]) -> Trajectory:

@@ -21,6 +21,13 @@ if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
 _SIZE: Final = (6.3, 8.6)  # [inch]
+_OF_A_PENALTY: Final = (
+    "penalty_side",
+    "penalty_step",
+    "penalty_max",
+    "penalty_torque_excess",
+    "penalty_zone_excess_deg",
+)
 _OF_A_SIDE: Final = (
     "max_torque",
     "iterations_median",
@@ -46,6 +53,10 @@ def compare(resolved: Resolved, recorded: Scenario, revised: Scenario) -> dict[s
         for bit) and ``first_difference`` (a step, or None); ``torque_difference_max``,
         ``_rms`` [N m] and ``_max_step``; ``cost_difference_max`` (of the largest size, with its
         sign), ``_max_step``, ``_rms`` by the recorded problem, None where plans cannot be compared;
+        ``plain_cost_difference_max``, ``_max_step``, ``_rms``: the same without penalties;
+        ``penalty_side``, ``_step``, ``_max``, ``_torque_excess`` [N m] and ``_zone_excess_deg``:
+        the plan that pays most for leaving a limit, and by how much it does (None, as the three
+        before: both solve the same problem, or no plan is known);
         ``recorded`` and ``replayed``: ``method``, ``residual_max`` and, as `summarize` has them,
         ``max_torque``, iterations, solve times, failed steps and sources.
     """
@@ -61,24 +72,41 @@ def compare(resolved: Resolved, recorded: Scenario, revised: Scenario) -> dict[s
         "torque_difference_max": float(torque[worst]),
         "torque_difference_max_step": int(resolved.steps[worst]),
         "torque_difference_rms": _rms(torque),
-        **_cost_metrics(resolved),
+        **_largest("cost_difference", resolved.cost_difference, resolved),
+        **_penalty_metrics(resolved),
         "recorded": _side(resolved.recorded, recorded),
         "replayed": _side(resolved.replayed, revised),
     }
 
 
-def _cost_metrics(resolved: Resolved) -> dict[str, Any]:
-    cost = resolved.cost_difference
-    known = np.flatnonzero(np.isfinite(cost))
+def _largest(name: str, values: Array, resolved: Resolved) -> dict[str, Any]:
+    """Return the largest of (m,) values with its sign, its step, and their root mean square."""
+    known = np.flatnonzero(np.isfinite(values))
     if not known.size:
-        names = ("max", "max_step", "rms")
-        return dict.fromkeys(f"cost_difference_{name}" for name in names)
-    worst = known[np.argmax(np.abs(cost[known]))]
+        return dict.fromkeys(f"{name}_{what}" for what in ("max", "max_step", "rms"))
+    worst = known[np.argmax(np.abs(values[known]))]
     return {
-        "cost_difference_max": float(cost[worst]),
-        "cost_difference_max_step": int(resolved.steps[worst]),
-        "cost_difference_rms": _rms(cost[known]),
+        f"{name}_max": float(values[worst]),
+        f"{name}_max_step": int(resolved.steps[worst]),
+        f"{name}_rms": _rms(values[known]),
     }
+
+
+def _penalty_metrics(resolved: Resolved) -> dict[str, Any]:
+    plain = _largest("plain_cost_difference", resolved.plain_cost_difference, resolved)
+    penalties = np.array([[price.penalty for price in pair] for pair in resolved.prices])
+    if not np.isfinite(penalties).any():
+        return plain | dict.fromkeys(_OF_A_PENALTY)
+    row, side = np.unravel_index(np.nanargmax(penalties), penalties.shape)
+    price = resolved.prices[row][side]
+    found = (
+        ("recorded", "replayed")[side],
+        int(resolved.steps[row]),
+        price.penalty,
+        price.torque_excess,
+        price.zone_excess_deg,
+    )
+    return plain | dict(zip(_OF_A_PENALTY, found, strict=True))
 
 
 def _side(trajectory: Trajectory, scenario: Scenario) -> dict[str, Any]:

@@ -168,7 +168,7 @@ def _sides(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str
         ("iterations a solve", _iterations(old), _iterations(new)),
         ("largest residual", _number(old["residual_max"]), _number(new["residual_max"])),
         ("time a solve", _time(old), _time(new)),
-        ("steps not solved", str(old["unconverged_steps"]), str(new["unconverged_steps"])),
+        ("steps not solved", _unsolved(old), _unsolved(new)),
         ("torque from", _sources(old), _sources(new)),
         *_standstills(old, new),
     ]
@@ -176,7 +176,7 @@ def _sides(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str
 
 def _standstills(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
     """Return the rows on standstills away from the target, where either side had one."""
-    rows = {"steps at a standstill": "stalled_steps", "steps leaving one": "escaping_steps"}
+    rows = {"steps at a standstill": "stalled_steps", "standstill escapes": "escaping_steps"}
     return [
         (label, str(old[name]), str(new[name]))
         for label, name in rows.items()
@@ -197,9 +197,22 @@ def _differences(m: dict[str, Any], period: float) -> list[tuple[str, str]]:
     rows.append(("torque difference", torque))
     if m["cost_difference_max"] is None:
         rows.append(("cost difference", "-, no plans to compare by the recorded problem"))
-    else:
+    elif m["penalty_max"] is None or m["penalty_max"] <= 0.0:
         rows.append(("cost difference", _at(m, "cost_difference", "", period)))
+    else:
+        without = f"{_at(m, 'plain_cost_difference', '', period)}, without penalties"
+        rows += [("cost difference", without), ("penalties", _penalties(m, period))]
     return rows
+
+
+def _penalties(m: dict[str, Any], period: float) -> str:
+    """Say which plan pays most for leaving a limit of the recorded problem, and by how much."""
+    step, torque, zone = (m[f"penalty_{n}"] for n in ("step", "torque_excess", "zone_excess_deg"))
+    text = f"{_number(m['penalty_max'])} at the most (step {step}, {step * period:g} s)"
+    excess = [f"{torque:.2g} N m above the torque limit"] if torque and torque > 0.0 else []
+    excess += [f"{zone:.2g} deg inside a zone"] if zone and zone > 0.0 else []
+    which = "the plan as flown" if m["penalty_side"] == "recorded" else "the plan replayed"
+    return f"{text}: {which} is {' and '.join(excess)}" if excess else text
 
 
 def _at(m: dict[str, Any], name: str, unit: str, period: float) -> str:
@@ -218,6 +231,10 @@ def _iterations(side: dict[str, Any]) -> str:
     if side["iterations_median"] is None:
         return "-"
     return f"{side['iterations_median']:.3g} median, {side['iterations_max']} most"
+
+
+def _unsolved(side: dict[str, Any]) -> str:
+    return "-" if side["iterations_median"] is None else str(side["unconverged_steps"])
 
 
 def _time(side: dict[str, Any]) -> str:

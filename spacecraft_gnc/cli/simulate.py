@@ -106,14 +106,15 @@ def _fly(loop: ClosedLoop, silent: bool) -> Trajectory:
 
 def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the lines of a flight's summary, label and text."""
+    never = "unknown" if m["final_error_deg"] is None else "never"
     settled = [(f"under {x} deg for good", m[f"settle_time_{x}deg"]) for x in ("5", "1", "0.1")]
     iterations = f"{_text(m['iterations_median'], 3)} median, {_text(m['iterations_max'], 3)} most"
     work = "command" if m["iterations_median"] is None else "solve"
     sources = ", ".join(f"{name} {count}" for name, count in m["sources"].items())
     rows = [
         ("control steps", f"{m['steps']} of {m['period']:g} s"),
-        ("error at the end", f"{_text(m['final_error_deg'], 5)} deg to the {m['error_to']}"),
-        *((label, "never" if at is None else f"from {at:g} s") for label, at in settled),
+        ("error at the end", _final_error(m)),
+        *((label, never if at is None else f"from {at:g} s") for label, at in settled),
         *_governor_rows(m),
         ("largest torque", f"{_text(m['max_torque'], 8)} N m, {_limit(m)}"),
         ("sum of stage costs", _text(m["cost"], 10)),
@@ -130,7 +131,8 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     if m["stalled_steps"]:
         rows.append(("steps at a standstill", f"{m['stalled_steps']}, away from the target"))
     if m["escaping_steps"]:
-        rows.append(("steps leaving one", f"{m['escaping_steps']}, by an added torque"))
+        text = f"{m['escaping_steps']} steps, by a small torque added to the optimal one"
+        rows.append(("standstill escapes", text))
     if m["inadmissible_steps"]:
         text = f"no reference was admissible at {m['inadmissible_steps']} of {m['steps']} steps"
         rows.append(("warning", text))
@@ -155,6 +157,12 @@ def _limit(m: dict[str, Any]) -> str:
     if not m["torque_limit"]:
         return "no limit"
     return f"limit {m['torque_limit']:g} N m, {m['saturated_steps']} steps on it"
+
+
+def _final_error(m: dict[str, Any]) -> str:
+    if m["final_error_deg"] is None:
+        return "unknown: the last state or reference was not recorded"
+    return f"{m['final_error_deg']:.5g} deg to the {m['error_to']}"
 
 
 def _unsolved(m: dict[str, Any]) -> str:

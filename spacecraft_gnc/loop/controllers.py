@@ -15,7 +15,7 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.ladder import FallbackLadder
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
 from spacecraft_gnc.loop.standstill import StandstillMonitor
-from spacecraft_gnc.loop.traits import BASELINE, NEIGHBORING_EXTREMAL, SHOOTING
+from spacecraft_gnc.loop.traits import FSOLVE, NEIGHBORING_EXTREMAL, SHOOTING, SLSQP
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
     FsolveSolver,
@@ -185,7 +185,7 @@ class SlsqpController(SolverController):
 
     name = "slsqp"
     slow = True
-    traits = BASELINE
+    traits = SLSQP
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> SlsqpController:
@@ -199,7 +199,7 @@ class FsolveController(SolverController):
 
     name = "fsolve"
     slow = True
-    traits = BASELINE
+    traits = FSOLVE
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> FsolveController:

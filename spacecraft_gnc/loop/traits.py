@@ -29,6 +29,8 @@ class MethodTraits(NamedTuple):
     may ask for it once more."""
     refuses_starts: bool = False
     """Whether it refuses some starts when it is built."""
+    hard_limits: bool = False
+    """Whether its limits are constraints of its solve: its cost then leaves the penalties out."""
     former_source: Source | None = None
     """What `Source.METHOD` was called in its flights before that source existed."""
 
@@ -69,8 +71,8 @@ NEIGHBORING_EXTREMAL: Final = MethodTraits(
         "ne_max_age",
     }
 )
-BASELINE: Final = MethodTraits(_PENALISED)
-"""Of ``slsqp`` and ``fsolve``."""
+SLSQP: Final = MethodTraits(_PENALISED, hard_limits=True)
+FSOLVE: Final = MethodTraits(_PENALISED)
 TERMINAL_SET: Final = MethodTraits(
     _OPTIMAL | {"terminal_set", "stage_cost_scale", "weights.stage_rate"}, refuses_starts=True
 )

@@ -39,8 +39,8 @@ BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
             "spacecraft_gnc.loop.neighboring:NeighboringExtremalController",
             methods.NEIGHBORING_EXTREMAL,
         ),
-        "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController", methods.BASELINE),
-        "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController", methods.BASELINE),
+        "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController", methods.SLSQP),
+        "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController", methods.FSOLVE),
         "terminal_set": BuiltIn(
             "spacecraft_gnc.loop.terminal_set:TerminalSetController", methods.TERMINAL_SET
         ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -16,9 +17,10 @@ from flown_bags import fly, sections
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report import read_run, report_html
-from spacecraft_gnc.analysis.report.tables import _rounded
+from spacecraft_gnc.analysis.report.tables import _difference, _rounded, _Row
 from spacecraft_gnc.analysis.sources import stretches
 from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.scenario import from_sections
 
 MEGABYTE = 1_000_000
 
@@ -178,6 +180,51 @@ def test_the_difference_to_the_first_run_is_shown(tmp_path):
     text = report_html([read_run(path, path.stem) for path in paths])
     row = text.split("Iterations a solve, most</th>")[1].split("</tr>")[0]
     assert row == '<td>2</td><td>4 <span class="difference">(+2, +100 %)</span></td>'
+
+
+@pytest.mark.parametrize(
+    ("value", "first", "text"),
+    [
+        (4.0, 4.0, "same"),
+        (3.0, 4.0, "-1, -25 %"),
+        (12.0, 4.0, "+8, +200 %"),
+        (12.1, 4.0, "+8.1, 3.02 times"),
+        (-5.423, -0.01, "-5.41, 542 times"),
+        (5.413, -0.01, "+5.42"),  # of another sign: no factor
+        (1.0, 0.0, "+1"),
+    ],
+)
+def test_a_difference_from_a_tiny_number_is_no_share_of_it(value, first, text):
+    shown = _difference(_Row("", ""), value, first)
+    assert shown == f' <span class="difference">({text})</span>'
+
+
+def cells(page, label):
+    row = page.split(f"<th scope=row>{label}")[1].split("</tr>")[0]
+    return re.findall("<td>(.*?)</td>", row)
+
+
+def test_never_unknown_none_and_not_applicable_are_told_apart(tmp_path):
+    """Of a flight whose scenario is known, of one without it, and of one that lost its end."""
+    known = flight(12)
+    lost = replace(known, final_attitude=np.full((3, 3), np.nan), attitude=known.attitude * np.nan)
+    unlimited = from_sections(
+        {
+            "plant": {"inertia": [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]},
+            "nmpc_controller": {"max_torque": 0.0},
+        }
+    )
+    runs = [
+        read_run(known.save(tmp_path / "known.npz", unlimited.to_yaml()), "known"),
+        read_run(known.save(tmp_path / "alien.npz"), "alien"),
+        read_run(lost.save(tmp_path / "lost.npz"), "lost"),
+    ]
+    page = report_html(runs)
+    assert cells(page, "Error below 0.1° for good") == ["never", "never", "unknown"]
+    assert cells(page, "Torque limit") == ["none", "unknown", "unknown"]
+    assert cells(page, "Least zone margin") == ["-", "unknown", "unknown"]
+    assert cells(page, "Error at the end")[2].startswith("unknown")
+    assert "Deadlines missed" not in page  # of none of them there is such a thing
 
 
 def long_flight(n=100_000):

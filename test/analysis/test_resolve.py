@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from analysis.flights import DATA, case1
 
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.resolve import resolve
 from spacecraft_gnc.analysis.resolve_report import compare, figure
 from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.scenario import load, revise
 
@@ -99,6 +101,48 @@ def test_a_law_without_a_plan_has_no_cost():
     assert numbers["cost_difference_max"] is None
     assert numbers["replayed"]["solve_time_median"] is None
     assert numbers["recorded"]["sources"] == {"OPTIMAL": 40}
+
+
+@pytest.mark.parametrize("flew", ["shooting", "slsqp"])
+def test_methods_that_pay_for_limits_in_different_ways_compare_by_what_both_pay(flew):
+    """Out of the zone of Case II slsqp finds no plan at some steps: one of those cost 4e18."""
+    scenario, flight = flown("gupta2015_case2", **{"nmpc_controller.method": flew})
+    other = "slsqp" if flew == "shooting" else "shooting"
+    again = answered(scenario, flight, other, steps=(0, 12))
+    numbers = compare(again, scenario, scenario)
+    assert 0.0 < abs(numbers["cost_difference_max"]) < 1e-3
+    assert 0.0 < abs(numbers["plain_cost_difference_max"]) < 1e-3
+    paid = [[price.penalty for price in pair] for pair in again.prices]
+    if flew == "slsqp":  # its cost counts no penalty
+        assert np.nanmax(paid) == 0.0
+        return
+    assert series.unconverged(again.replayed).any()
+    assert numbers["penalty_max"] == np.nanmax(paid) > 1e-5
+    assert numbers["penalty_side"] == "recorded"  # a penalty lets its plans into the zone
+    assert 0.0 < numbers["penalty_zone_excess_deg"] < 1.0
+
+
+def test_a_looser_limit_is_priced_with_its_penalty():
+    scenario, flight = flown()
+    again = answered(scenario, flight, overrides={"nmpc_controller.max_torque": 0.02}, steps=(0, 8))
+    old, new = again.prices[0]
+    ocp = problem_of(scenario)
+    solution = load(CASE1, SHORT | {"nmpc_controller.max_torque": 0.02}).build_controller().solver
+    plan = solution.solve(flight.attitude[0], flight.momentum[0], flight.reference[0]).torques
+    over = np.maximum(0.0, (plan**2).sum(axis=1) - 0.01**2)
+    assert new.penalty == pytest.approx(ocp.torque_penalty * ocp.time_step * (over**2).sum())
+    assert new.torque_excess == pytest.approx(np.linalg.norm(plan, axis=1).max() - 0.01)
+    assert new.plain < old.plain < new.cost
+    assert old.cost == pytest.approx(flight.cost[0], rel=1e-12)
+
+
+def test_the_plan_of_a_failed_solve_is_not_priced():
+    scenario, flight = flown()
+    changes = {"nmpc_controller.residual_tolerance": 1e-30, "nmpc_controller.max_torque": 0.02}
+    again = answered(scenario, flight, overrides=changes, steps=(0, 8))
+    failed = again.replayed.status != 0
+    assert failed.any()
+    assert np.isnan(again.cost_difference[failed]).all()
 
 
 def test_plans_of_another_length_are_not_priced():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -92,6 +93,27 @@ def test_another_method_is_compared(bag, tmp_path, capsys):
     files = [Path(line) for line in out.splitlines() if line.startswith(str(tmp_path / "fig"))]
     assert [file.name for file in files] == ["replay.png", "replay.svg"]
     assert all(file.stat().st_size > 1000 for file in files)
+
+
+def test_a_penalty_is_told_apart_from_the_cost(bag, capsys):
+    assert run(bag, "--set", "nmpc_controller.max_torque=0.02") == 0
+    rows = dict(
+        re.split(r"  +", line.strip(), maxsplit=1)
+        for line in capsys.readouterr().out.splitlines()[2:]
+    )
+    assert rows["cost difference"].startswith("-4.9")
+    assert rows["cost difference"].endswith(" rms, without penalties")
+    assert re.fullmatch(
+        r"[\d.]+ at the most \(step 0, 0 s\): the plan replayed is 0.01 N m above the torque limit",
+        rows["penalties"],
+    )
+
+
+def test_what_a_law_has_not_is_a_dash_and_no_zero(bag, capsys):
+    assert run(bag, "--method", "feedback") == 0
+    out = capsys.readouterr().out
+    assert re.search(r"steps not solved +0 +-\n", out)
+    assert re.search(r"torque from +OPTIMAL 40 +METHOD 40\n", out)
 
 
 def test_changed_weights_are_compared(bag, capsys):

@@ -124,11 +124,11 @@ def test_summary_for_people(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_the_summary_tells_of_a_standstill() -> None:
     metrics = summarize(load(CASE_1, ["plant.duration=4"]).build().run())
-    labels = {"steps at a standstill", "steps leaving one"}
+    labels = {"steps at a standstill", "standstill escapes"}
     assert not labels & dict(module.summary_rows(metrics)).keys()
     rows = dict(module.summary_rows({**metrics, "stalled_steps": 3, "escaping_steps": 2}))
     assert rows["steps at a standstill"].startswith("3,")
-    assert rows["steps leaving one"].startswith("2,")
+    assert rows["standstill escapes"].startswith("2 steps, ")
 
 
 def test_the_summary_tells_where_a_governor_stopped_and_what_it_could_not_keep() -> None:
