@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
-from spacecraft_gnc.cli._common import print_json
+from spacecraft_gnc.cli._common import RunFailed, print_json
 from spacecraft_gnc.cli._keys import pressed_keys
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError, RecordingError
@@ -149,8 +149,8 @@ def _run(wish: Playing, playback: Playback, plan: Plan, domain_id: int) -> None:
             print(f"{wish.source}: {where} topics --domain-id {domain_id}", file=stream, flush=True)
         if key is not None and not silent:
             print(_KEYS, flush=True)
-        for name, reason in player.skipped.items():
-            print(f"warning: {name} is not played: {reason}", file=sys.stderr, flush=True)
+        for remark in playback.remarks():
+            print(f"warning: {remark}", file=sys.stderr, flush=True)
         player.await_subscribers()
         if wish.expected and player.played.unheard:
             unheard = ", ".join(player.played.unheard)
@@ -165,12 +165,40 @@ def _run(wish: Playing, playback: Playback, plan: Plan, domain_id: int) -> None:
                 return None if key is None else key()
 
             played = player.run(watch)
-    _report(wish, playback, played, player.skipped, domain_id)
+    _report(wish, playback, played, domain_id)
+    require_all_played(wish.source, wish.start, playback, played)
 
 
-def _report(
-    wish: Playing, playback: Playback, played: Played, skipped: dict[str, str], domain_id: int
-) -> None:
+def require_all_played(source: Path, start: float, playback: Playback, played: Played) -> None:
+    """Refuse to end well when less was played than the bag holds.
+
+    Whoever goes elsewhere in between, or ends before, plays what was asked for.
+
+    Raises
+    ------
+    RunFailed
+        If a topic was left out, or fewer messages were published than recorded.
+    """
+    if played.interrupted:
+        return
+    absent = [name for name in playback.held if name in playback.left_out]
+    if absent:
+        raise RunFailed(
+            f"{source}: {', '.join(absent)} not played; required all that it holds; name "
+            "what is to be played with --topics"
+        )
+    if start > 0.0 or played.jumped or played.rounds != 1:
+        return
+    for name, held in playback.held.items():
+        count = played.messages.get(name, 0)
+        if count < held:
+            raise RunFailed(
+                f"{source}: {name}: played {count} messages; required {held}, as many as its "
+                "files hold; their order is damaged: gnc audit tells where"
+            )
+
+
+def _report(wish: Playing, playback: Playback, played: Played, domain_id: int) -> None:
     for name in played.overrun:
         print(f"warning: a subscriber of {name} did not keep up", file=sys.stderr)
     count = sum(played.messages.values())
@@ -182,7 +210,7 @@ def _report(
             "position": played.position,
             "wall_time": played.wall_time,
             "messages": played.messages,
-            "skipped": skipped,
+            "skipped": playback.left_out,
             "unheard": played.unheard,
             "overrun": played.overrun,
             "rounds": played.rounds,

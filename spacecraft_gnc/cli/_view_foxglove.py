@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -31,6 +32,8 @@ def serve_bag(
         start, end = (time_ns / _NS_PER_S for time_ns in (playback.start_ns, playback.end_ns))
         transport = Transport(start, end, rate, time.monotonic)
         with foxglove.FoxgloveServer(host, port, transport) as server:
+            for remark in playback.remarks():
+                print(f"warning: {remark}", file=sys.stderr)
             foxglove.announce_all(bag, playback, server)
             announce(_url(host, server.port), server.port)
             foxglove.play(playback, server, transport, stop)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -64,6 +65,9 @@ def audit(
             allow_unfinished=unfinished,
             progress=lambda what: partial(update, what=what),
         )
+    if not quiet:
+        for remark in found.remarks:
+            print(f"note: {remark}", file=sys.stderr)
     if as_json:
         print_json(found.as_dict())
     elif not quiet:

@@ -84,6 +84,8 @@ def export(
         )
         progress(0, 1, "writing")
         files = write_export(found, target, kind.value, progress)
+    for remark in () if quiet else found.remarks:
+        print(f"note: {remark}", file=sys.stderr)
     if found.left_out and not quiet:
         names = ", ".join(found.left_out)
         print(f"note: left out, for they carry no control step: {names}", file=sys.stderr)
@@ -111,6 +113,7 @@ def _tell(found: Export, files: list[Path], *, as_json: bool, quiet: bool) -> No
                 "steps": len(found.steps()),
                 "topics": {topic.name: len(topic.steps) for topic in found.topics},
                 "left_out": list(found.left_out),
+                "remarks": list(found.remarks),
             }
         )
     elif not quiet:

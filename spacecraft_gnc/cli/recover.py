@@ -52,6 +52,7 @@ def recover(
                 "missing_steps": rebuilt.missing_steps,
                 "cut_bytes": rebuilt.cut_bytes,
                 "damaged_chunks": rebuilt.damaged_chunks,
+                "orphans": rebuilt.orphans,
             }
         )
     elif not quiet:
@@ -72,6 +73,8 @@ def _losses(rebuilt: Rebuilt) -> list[tuple[str, str]]:
     rows = [(f"{name} lacks", f"{count} steps") for name, count in rebuilt.missing_steps.items()]
     if rebuilt.damaged_chunks:
         rows.append(("damaged chunks", f"{rebuilt.damaged_chunks}, left out"))
+    if rebuilt.orphans:
+        rows.append(("without a topic", f"{rebuilt.orphans} messages, left out"))
     if rebuilt.cut_bytes:
         rows.append(("cut off", f"{rebuilt.cut_bytes} bytes of an unfinished record"))
     return [

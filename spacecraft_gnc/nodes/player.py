@@ -70,6 +70,8 @@ class Played:
     """Topics with a reader that did not keep up."""
     rounds: int = 0
     """Times that the end was reached."""
+    jumped: bool = False
+    """Whether it went elsewhere in between."""
     interrupted: bool = False
     position: float = 0.0
     """Of the last message [s]."""
@@ -104,7 +106,7 @@ class Player:
         self.node = Node(NAME)
         self._executor = EventsExecutor()
         self._executor.add_node(self.node)
-        self.skipped = dict(self._advertise())
+        self._advertise()
         self._loop = plan.loop
         self._clock = PlayClock(plan.rate, plan.paused, plan.start, time.monotonic())
         self._declare()
@@ -127,15 +129,14 @@ class Player:
 
     # Endpoints.
 
-    def _advertise(self) -> Iterator[tuple[str, str]]:
-        """Create the publishers; yield the topics that have none, and why."""
+    def _advertise(self) -> None:
+        """Create the publishers; leave out of the playback the topics that can have none."""
         self._outlets: dict[str, Outlet] = {}
         for name, topic in list(self._playback.topics.items()):
             try:
                 kind = played_type(topic)
             except Unplayable as reason:
-                self._playback.leave_out(name)
-                yield name, str(reason)
+                self._playback.leave_out(name, str(reason))
                 continue
             publisher = self.node.create_publisher(kind, name, ros_qos(topic.qos))
             self._outlets[name] = Outlet(publisher, topic.qos.depth)
@@ -188,6 +189,7 @@ class Player:
             self._clock.pause(values["paused"], now)
         if "position" in values:
             self._seek = values["position"]
+            self.played.jumped = True
         return SetParametersResult(successful=True)
 
     def _tell(self, position: float) -> None:

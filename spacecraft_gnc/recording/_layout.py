@@ -95,6 +95,11 @@ class _Layout:
     def _length(self) -> int:
         place = self._place(np.dtype(self.order + _LENGTH), ())
         value = int(np.frombuffer(self.data, place.dtype, 1, place.offset)[0])
+        if value > len(self.data):  # before an array of that length is described
+            raise RecordingError(
+                f"received a string or sequence of {value} elements in a message of "
+                f"{len(self.data)} bytes; required one that fits in"
+            )
         self.lengths.append((place.offset, value))
         return value
 

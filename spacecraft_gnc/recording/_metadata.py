@@ -14,6 +14,8 @@ from typing import Any, Final, NamedTuple
 import yaml
 
 METADATA_NAME: Final = "metadata.yaml"
+INFORMATION: Final = "rosbag2_bagfile_information"
+"""The one key in it."""
 ROSBAG2_RECORD: Final = "rosbag2"
 """MCAP metadata record that holds the same."""
 LOSSES_RECORD: Final = "losses"
@@ -54,7 +56,7 @@ class BagSummary(NamedTuple):
     """More that is to be known at a glance."""
 
     def information(self) -> dict[str, object]:
-        """Return the mapping under ``rosbag2_bagfile_information``."""
+        """Return the mapping under `INFORMATION`."""
         count = sum(topic.message_count for topic in self.topics)
         # An empty bag starts at the largest stamp, as rosbag2 has it.
         start = {"nanoseconds_since_epoch": self.start_ns if count else _MAX_STAMP}
@@ -119,7 +121,7 @@ def _information(folder: Path) -> dict[str, Any] | None:
         text = (folder / METADATA_NAME).read_text(encoding="utf-8")
     except OSError:
         return None
-    return dict(yaml.safe_load(text)["rosbag2_bagfile_information"])
+    return dict(yaml.safe_load(text)[INFORMATION])
 
 
 def read_losses(folder: Path) -> dict[str, int]:
@@ -134,7 +136,7 @@ def write_metadata(folder: Path, summary: BagSummary) -> None:
     temporary = folder / f".{METADATA_NAME}.tmp"
     try:
         with temporary.open("w", encoding="utf-8") as stream:
-            stream.write(dump({"rosbag2_bagfile_information": summary.information()}))
+            stream.write(dump({INFORMATION: summary.information()}))
             stream.flush()
             os.fsync(stream.fileno())
         temporary.replace(folder / METADATA_NAME)

@@ -1,11 +1,14 @@
-"""Messages of an MCAP file in the order of recording: several times faster than by log time."""
+"""The records of an MCAP file's data section, block by block: several times faster than one by one.
+
+Source: MCAP specification 1.0, records Chunk, Schema, Channel and Message.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
-from pathlib import Path
+from collections.abc import Callable, Iterator, Mapping
+from io import BytesIO
 from struct import Struct
-from typing import IO, Final
+from typing import IO, Final, NamedTuple
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
@@ -14,67 +17,129 @@ from mcap.stream_reader import get_chunk_data_stream
 
 from spacecraft_gnc.recording.recover import MAGIC
 
-_RECORD_HEAD: Final = Struct("<BQ")  # opcode, length of the content
-_CHANNEL_HEAD: Final = Struct("<HHI")  # channel id, schema id, length of the topic's name
-_MESSAGE_HEAD: Final = 22  # channel id, sequence number, log time, publish time
+RECORD_HEAD: Final = Struct("<BQ")  # opcode, length of the content
+MESSAGE_HEAD: Final = Struct("<HIQQ")  # channel id, sequence number, log time, publish time
+_CHUNK_SPAN: Final = Struct("<QQ")  # log times of the first and of the last message
+_LAST: Final = (Opcode.DATA_END, Opcode.FOOTER)
+_LOOSE: Final = (Opcode.SCHEMA, Opcode.CHANNEL, Opcode.MESSAGE)
+_LOOSE_BLOCK: Final = 1 << 20  # records without a chunk are read together up to this size [bytes]
 
 Progress = Callable[[int, int], None]
 """Called with the work done and the work in all, in bytes."""
 
 
-def scan(
-    path: Path, topics: Collection[str], progress: Progress | None
-) -> Iterator[tuple[str, bytes]]:
-    """Yield (topic, serialized message) of some topics; the checksum of every chunk is compared.
+class Block(NamedTuple):
+    """Records that are read together: a chunk, or a run of records outside one."""
+
+    opcode: int
+    """Of the chunk; 0: records without one."""
+    offset: int
+    size: int
+    start_ns: int
+    """Log time of the earliest message [ns]."""
+    end_ns: int
+    """Log time of the latest message [ns]."""
+
+
+class Record(NamedTuple):
+    """Place of a record that is neither message nor chunk: an attachment, say."""
+
+    opcode: int
+    offset: int
+    """Of its content."""
+    size: int
+
+
+def walk(stream: IO[bytes]) -> Iterator[Block | Record]:
+    """Yield what the data section consists of, without reading the messages.
+
+    Raises
+    ------
+    ValueError
+        If a record runs beyond the end of the file.
+    """
+    position, end = len(MAGIC), stream.seek(0, 2)
+    loose: list[int] = []  # offset, size, earliest and latest log time
+    while position + RECORD_HEAD.size <= end:
+        stream.seek(position)
+        opcode, length = RECORD_HEAD.unpack(stream.read(RECORD_HEAD.size))
+        size = RECORD_HEAD.size + length
+        if position + size > end:
+            raise ValueError(f"the record at byte {position} runs beyond the end of the file")
+        if loose and (opcode not in _LOOSE or loose[1] + size > _LOOSE_BLOCK):
+            yield Block(0, *loose)
+            loose = []
+        if opcode in _LAST:
+            return
+        if opcode in _LOOSE:
+            loose = _joined(loose or [position, 0, 2**64, 0], stream, opcode, size)
+        elif opcode == Opcode.CHUNK:
+            yield Block(opcode, position, size, *_CHUNK_SPAN.unpack(stream.read(_CHUNK_SPAN.size)))
+        else:
+            yield Record(opcode, position + RECORD_HEAD.size, length)
+        position += size
+    raise ValueError("no end of the data section")
+
+
+def _joined(loose: list[int], stream: IO[bytes], opcode: int, size: int) -> list[int]:
+    """Return a run of records with one more."""
+    offset, before, start, end = loose
+    if opcode == Opcode.MESSAGE:
+        _, _, log_time, _ = MESSAGE_HEAD.unpack(stream.read(MESSAGE_HEAD.size))
+        start, end = min(start, log_time), max(end, log_time)
+    return [offset, before + size, start, end]
+
+
+def read_block(stream: IO[bytes], block: Block) -> bytes:
+    """Return the records of a block, decompressed; the checksum of a chunk is compared.
 
     Raises
     ------
     Exception
         Whatever the damaged bytes make the parser raise.
     """
-    size = path.stat().st_size
-    channels: dict[int, str | None] = {}
-    with path.open("rb") as stream:
-        stream.seek(len(MAGIC))
-        for opcode, length in _records(stream):
-            if opcode == Opcode.CHUNK:
-                chunk = Chunk.read(ReadDataStream(stream))
-                data, size_of_data = get_chunk_data_stream(chunk, validate_crc=True)
-                yield from _messages(data.read(size_of_data), topics, channels)
-            elif opcode in (Opcode.CHANNEL, Opcode.MESSAGE):
-                record = _RECORD_HEAD.pack(opcode, length) + stream.read(length)
-                yield from _messages(record, topics, channels)
-            else:
-                stream.seek(length, 1)
-            if progress is not None:
-                progress(stream.tell(), size)
+    stream.seek(block.offset)
+    data = stream.read(block.size)
+    if block.opcode != Opcode.CHUNK:
+        return data
+    chunk = Chunk.read(ReadDataStream(BytesIO(data[RECORD_HEAD.size :])))
+    records, size = get_chunk_data_stream(chunk, validate_crc=True)
+    return records.read(size)
 
 
-def _records(stream: IO[bytes]) -> Iterator[tuple[int, int]]:
-    """Yield opcode and length of the records of the data section."""
-    while len(head := stream.read(_RECORD_HEAD.size)) == _RECORD_HEAD.size:
-        opcode, length = _RECORD_HEAD.unpack(head)
-        if opcode in (Opcode.DATA_END, Opcode.FOOTER):
-            return
-        yield opcode, length
-
-
-def _messages(
-    data: bytes, topics: Collection[str], channels: dict[int, str | None]
-) -> Iterator[tuple[str, bytes]]:
-    """Yield the messages of some topics among records; note the channels on the way."""
-    position, size = 0, len(data)
-    head = _RECORD_HEAD.unpack_from
+def records(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """Yield opcode, start and end of the content of each record of a block."""
+    position, size, head = 0, len(data), RECORD_HEAD.unpack_from
     while position < size:
         opcode, length = head(data, position)
-        position += _RECORD_HEAD.size
-        if opcode == Opcode.MESSAGE:
-            topic = channels[data[position] | data[position + 1] << 8]
+        start = position + RECORD_HEAD.size
+        position = start + length
+        if position > size:
+            raise ValueError("a record runs beyond the end of its chunk")
+        yield opcode, start, position
+
+
+def messages(data: bytes, topics: Mapping[int, str | None]) -> Iterator[tuple[int, str, bytes]]:
+    """Yield (log time [ns], topic, serialized message) of some channels of a block.
+
+    Parameters
+    ----------
+    data
+        What `read_block` returned.
+    topics
+        Topic by channel id; None: not wanted.
+
+    Raises
+    ------
+    ValueError
+        If a message is of none of these channels, or a record is cut short.
+    """
+    head, head_size, message = MESSAGE_HEAD.unpack_from, MESSAGE_HEAD.size, Opcode.MESSAGE
+    for opcode, start, end in records(data):
+        if opcode == message:
+            number, _, log_time, _ = head(data, start)
+            if number not in topics:
+                raise ValueError(f"a message of channel {number}, of which nothing is told")
+            topic = topics[number]
             if topic is not None:
-                yield topic, data[position + _MESSAGE_HEAD : position + length]
-        elif opcode == Opcode.CHANNEL:
-            number, _, letters = _CHANNEL_HEAD.unpack_from(data, position)
-            start = position + _CHANNEL_HEAD.size
-            name = data[start : start + letters].decode()
-            channels[number] = name if name in topics else None
-        position += length
+                yield log_time, topic, data[start + head_size : end]

@@ -1,27 +1,39 @@
-"""Read access to a bag: rosbag2 folder, single .mcap file, or one that was cut off."""
+"""Read access to a bag: rosbag2 folder, single .mcap file, or one that was cut off.
+
+What a bag holds comes from its files: topics, types, offered profiles, counts and times. Of
+``metadata.yaml`` only the list of the files is used (`_files`).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from operator import itemgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
-from mcap.reader import McapReader, make_reader
-from rosbags.highlevel import AnyReader
+import zstandard
+from mcap.opcode import Opcode
+from mcap.records import Attachment, Metadata
 
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.recording import BAG_FOLDER
+from spacecraft_gnc.recording import _types
+from spacecraft_gnc.recording._files import BagFiles, bag_files, bag_in, damage, whole_copies
+from spacecraft_gnc.recording._index import ChannelInfo, Index, read_index
 from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._metadata import METADATA_NAME
-from spacecraft_gnc.recording._scan import Progress, scan
+from spacecraft_gnc.recording._scan import Block, Progress, messages, read_block
 from spacecraft_gnc.recording._verify import verify
-from spacecraft_gnc.recording.qos import QosProfile
-from spacecraft_gnc.recording.recover import MAGIC, rewrite
+from spacecraft_gnc.recording.qos import QosProfile, parse_qos
 
-MCAP_SUFFIX: Final = ".mcap"
-_REQUIRED: Final = "required a bag folder (with metadata.yaml) or a .mcap file"
+_NO_SPAN: Final = (0, -1)
+_Placed: TypeAlias = tuple[int, int, int, int, str, bytes]
+"""Log time, file, block, place in it, topic, message."""
+_LOG_TIME: Final = itemgetter(0)
+_TIMED: Final = itemgetter(0, 4, 5)
 
 
 class Bag:
@@ -32,20 +44,61 @@ class Bag:
     path
         As the user named it.
     topics
-        Type of each recorded topic, ``pkg/msg/Type`` by full topic name.
+        Type of each topic of ROS 2 messages, ``pkg/msg/Type`` by full topic name.
+    counts
+        Messages of each recorded topic, of ROS 2 or not.
+    left_out
+        Why recorded messages are not read, by the full name of their topic.
     unfinished
         Whether the bag was cut off.
-    definitions
-        Fields of the recorded types, as `_layout.decode` takes them.
+    span_ns
+        Log times of the first and the last message [ns]; the last before the first: none.
     """
 
-    def __init__(self, path: Path, reader: AnyReader, files: list[Path], unfinished: bool) -> None:
+    def __init__(self, path: Path, indexes: list[Index], found: BagFiles) -> None:
         self.path = path
-        self.unfinished = unfinished
-        self.topics = {connection.topic: connection.msgtype for connection in reader.connections}
-        self.definitions: Definitions = reader.typestore.fielddefs
-        self._reader = reader
-        self._files = files
+        self.unfinished = found.unfinished
+        self.topics: dict[str, str] = {}
+        self.counts: Counter[str] = Counter()
+        self.left_out: dict[str, str] = {}
+        self._strays = found.strays
+        self._packed = found.packed_messages
+        self._indexes = indexes
+        self._channels: dict[str, list[ChannelInfo]] = {}
+        for index in indexes:
+            for number, channel in index.channels.items():
+                self._add(channel, index.counts.get(number, 0))
+        spans = [index.span_ns for index in indexes if index.span_ns is not None]
+        starts, ends = [start for start, _ in spans], [end for _, end in spans]
+        self.span_ns = (min(starts), max(ends)) if spans else _NO_SPAN
+
+    def _add(self, channel: ChannelInfo, count: int) -> None:
+        self.counts[channel.topic] += count
+        reason = _types.foreign(channel)
+        if reason:
+            if count:
+                self.left_out[channel.topic] = reason
+            return
+        self.topics.setdefault(channel.topic, channel.type_name)
+        known = self._channels.setdefault(channel.topic, [])
+        if channel not in known:
+            known.append(channel)
+
+    def remarks(self, left_out: Mapping[str, str] | None = None) -> list[str]:
+        """Return what a reader should be told of what is not read, one line each.
+
+        Parameters
+        ----------
+        left_out
+            What a reader leaves out of its own, and why; None: `left_out`.
+        """
+        topics = self.left_out if left_out is None else left_out
+        lines = [f"{self.path}: {name} is left out: {why}" for name, why in topics.items()]
+        lines += [
+            f"{self.path}: {name} is left out: {METADATA_NAME} does not name it"
+            for name in self._strays
+        ]
+        return lines
 
     def messages(self, topics: Collection[str]) -> Iterator[tuple[str, bytes]]:
         """Yield (topic, serialized message) in the order of the log times.
@@ -68,14 +121,52 @@ class Bag:
         RecordingError
             If the file is damaged.
         """
-        for file in self._files:
-            with _damage(self.path):
-                yield from scan(file, topics, progress)
+        for index in self._indexes:
+            wanted = _wanted(index, topics)
+            with damage(self.path), index.path.open("rb") as stream:
+                for block in index.blocks:
+                    for _, topic, data in messages(read_block(stream, block), wanted):
+                        yield topic, self._unpacked(data)
+                    if progress is not None:
+                        progress(block.offset + block.size, index.size)
 
-    def definition(self, topic: str) -> str:
-        """Return the .msg text of a topic's type as recorded, nested types behind it."""
-        found = next(item for item in self._reader.connections if item.topic == topic)
-        return str(found.msgdef.data)
+    def timed(self, topics: Collection[str], from_ns: int = 0) -> Iterator[tuple[int, str, bytes]]:
+        """Yield (log time [ns], topic, serialized message) in their order, from a log time on.
+
+        Messages of one log time come in the order of recording.
+
+        Raises
+        ------
+        RecordingError
+            If the file is damaged.
+        """
+        waiting = sorted(
+            (block.start_ns, place, block)
+            for place, index in enumerate(self._indexes)
+            for block in index.blocks
+            if block.end_ns >= from_ns
+        )
+        pending: list[_Placed] = []
+        for start_ns, place, block in waiting:
+            # What comes before a block is due before the block is read.
+            due = bisect_left(pending, start_ns, key=_LOG_TIME)
+            yield from map(_TIMED, pending[:due])
+            found = self._placed(place, block, topics)
+            pending = sorted([*pending[due:], *(item for item in found if item[0] >= from_ns)])
+        yield from map(_TIMED, pending)
+
+    def _placed(self, place: int, block: Block, topics: Collection[str]) -> list[_Placed]:
+        """Return the messages of a block, each with what puts it in its order."""
+        index = self._indexes[place]
+        with damage(self.path), index.path.open("rb") as stream:
+            found = messages(read_block(stream, block), _wanted(index, topics))
+            return [
+                (time, place, block.offset, i, topic, self._unpacked(data))
+                for i, (time, topic, data) in enumerate(found)
+            ]
+
+    def _unpacked(self, data: bytes) -> bytes:
+        return zstandard.decompress(data) if self._packed else data
 
     def verify(self, progress: Progress | None = None) -> None:
         """Compare every checksum in the files with what they hold.
@@ -85,42 +176,47 @@ class Bag:
         RecordingError
             If a byte has changed since the bag was recorded.
         """
-        for file in self._files:
-            with _damage(self.path):
-                verify(file, progress)
+        for index in self._indexes:
+            with damage(self.path):
+                verify(index.path, progress)
 
-    def timed(self, topics: Collection[str], from_ns: int = 0) -> Iterator[tuple[int, str, bytes]]:
-        """Yield (log time [ns], topic, serialized message) in their order, from a log time on.
+    def channel(self, topic: str) -> ChannelInfo:
+        """Return how a topic was recorded: type, definition with nested types behind it, encoding.
 
         Raises
         ------
         RecordingError
-            If the file is damaged.
+            If its messages have several types, or several versions of one.
         """
-        chosen = [item for item in self._reader.connections if item.topic in topics]
-        if not chosen:  # an empty filter would mean every topic
-            return
-        with _damage(self.path):
-            for connection, stamp, data in self._reader.messages(chosen, start=from_ns):
-                yield stamp, connection.topic, bytes(data)
+        first, *others = self._channels[topic]
+        for other in others:
+            if other.type_name != first.type_name:
+                raise RecordingError(
+                    f"{self.path}: {topic} holds messages of {first.type_name} and of "
+                    f"{other.type_name}; required one type; record each into a bag of its own"
+                )
+            with damage(self.path):
+                same = other.definition == first.definition or (
+                    _types.type_hash(other) == _types.type_hash(first)
+                )
+            if not same:
+                raise RecordingError(
+                    f"{self.path}: {topic} holds messages of two versions of {first.type_name}; "
+                    "required one; record each into a bag of its own"
+                )
+        return first
 
-    @property
-    def span_ns(self) -> tuple[int, int]:
-        """Log times of the first and the last message [ns]; the last before the first: none."""
-        return self._reader.start_time, self._reader.end_time - 1
-
-    def offered_qos(self, topic: str) -> list[QosProfile]:
-        """Return the recorded profiles of a topic's publishers."""
-        found: list[Any] = []
-        for connection in self._reader.connections:
-            if connection.topic == topic:
-                found += getattr(connection.ext, "offered_qos_profiles", [])
-        return [_profile(qos) for qos in found]
+    def definitions(self, topic: str) -> Definitions:
+        """Return the fields of a topic's type and of those that it nests."""
+        channel = self.channel(topic)
+        with damage(self.path):
+            return _types.typestore(channel).fielddefs
 
     def type_hash(self, topic: str) -> str:
         """Return the REP-2011 hash of a topic's type, computed from the definition in the bag."""
-        with _damage(self.path):
-            return self._reader.typestore.hash_rihs01(self.topics[topic])
+        channel = self.channel(topic)
+        with damage(self.path):
+            return _types.type_hash(channel)
 
     def decode(self, topic: str, data: bytes) -> Any:
         """Return the message object; its type comes from the definitions in the bag.
@@ -130,45 +226,37 @@ class Bag:
         RecordingError
             If the message does not follow its definition.
         """
-        with _damage(self.path):
-            return self._reader.deserialize(data, self.topics[topic])
+        channel = self.channel(topic)
+        with damage(self.path):
+            return _types.typestore(channel).deserialize_cdr(data, channel.type_name)
+
+    def offered_qos(self, topic: str) -> list[QosProfile]:
+        """Return the recorded profiles of a topic's publishers."""
+        texts = [each.metadata.get("offered_qos_profiles", "") for each in self._channels[topic]]
+        with damage(self.path):
+            return [profile for text in texts for profile in parse_qos(text)]
 
     def attachments(self) -> dict[str, bytes]:
         """Return the attached files by name."""
-        with _damage(self.path), self._readers() as readers:
-            return {
-                item.name: item.data for reader in readers for item in reader.iter_attachments()
-            }
+        found = self._others(Opcode.ATTACHMENT)
+        return {item.name: item.data for item in found if isinstance(item, Attachment)}
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return the metadata records by name; a later record replaces an earlier one."""
-        with _damage(self.path), self._readers() as readers:
-            return {
-                item.name: item.metadata for reader in readers for item in reader.iter_metadata()
-            }
+        found = self._others(Opcode.METADATA)
+        return {item.name: item.metadata for item in found if isinstance(item, Metadata)}
 
-    @contextmanager
-    def _readers(self) -> Iterator[list[McapReader]]:
-        """Open the files once more, for the records that the bag reader leaves out."""
-        with ExitStack() as stack:
-            yield [make_reader(stack.enter_context(file.open("rb"))) for file in self._files]
+    def _others(self, opcode: int) -> list[Any]:
+        with damage(self.path):
+            return [item for index in self._indexes for item in index.read(opcode)]
 
 
-def _profile(qos: Any) -> QosProfile:
-    return QosProfile(
-        history=qos.history.name.lower(),
-        depth=qos.depth,
-        reliability=qos.reliability.name.lower(),
-        durability=qos.durability.name.lower(),
-        deadline_ns=_nanoseconds(qos.deadline),
-        lifespan_ns=_nanoseconds(qos.lifespan),
-        liveliness=qos.liveliness.name.lower(),
-        liveliness_lease_ns=_nanoseconds(qos.liveliness_lease_duration),
-    )
-
-
-def _nanoseconds(time: Any) -> int:
-    return int(time.sec * 10**9 + time.nsec)
+def _wanted(index: Index, topics: Collection[str]) -> Mapping[int, str | None]:
+    """Return the wanted topic of each channel of a file; None: not wanted."""
+    return {
+        number: channel.topic if channel.topic in topics and not _types.foreign(channel) else None
+        for number, channel in index.channels.items()
+    }
 
 
 @contextmanager
@@ -185,99 +273,20 @@ def open_bag(path: Path | str, *, allow_unfinished: bool = False) -> Iterator[Ba
     Raises
     ------
     RecordingError
-        If there is no bag, or it is empty, cut off, damaged or not of ROS 2.
+        If there is no bag, or it is empty, cut off or damaged.
     """
     path = bag_in(Path(path))
     with ExitStack() as stack:
-        files = _storage_files(path)
-        unfinished = _is_unfinished(path, files)
-        source = path
-        if unfinished:
+        found = stack.enter_context(bag_files(path))
+        files = found.files
+        if found.unfinished:
             if not allow_unfinished:
                 raise RecordingError(
                     f"{path}: received an unfinished bag (the recorder was killed, or the file is "
                     f"cut off); required a closed one; save what is whole: gnc recover {path}"
                 )
             folder = Path(stack.enter_context(TemporaryDirectory(prefix="gnc_bag_")))
-            source = folder / f"recovered{MCAP_SUFFIX}"
-            _recover(path, files[-1], source)
-            files = [source]
-        with _damage(path):
-            reader = stack.enter_context(AnyReader([source]))
-        yield Bag(path, reader, files, unfinished)
-
-
-def bag_in(path: Path) -> Path:
-    """Return the bag in the folder of a run; any other path as it is."""
-    bag = path / BAG_FOLDER
-    is_bag = (path / METADATA_NAME).exists() or any(path.glob(f"*{MCAP_SUFFIX}"))
-    return bag if bag.is_dir() and not is_bag else path
-
-
-def _storage_files(path: Path) -> list[Path]:
-    """Return the .mcap files of a bag, in order."""
-    if path.is_dir():
-        files = sorted(path.glob(f"*{MCAP_SUFFIX}"))
-        if not files and not (path / METADATA_NAME).exists():
-            raise RecordingError(
-                f"{path}: received a folder without a bag; {_REQUIRED}; check the path"
-            )
-        return files
-    if not path.exists():
-        raise RecordingError(f"{path}: no such file or folder; {_REQUIRED}; check the path")
-    if path.suffix != MCAP_SUFFIX:
-        raise RecordingError(f"{path}: received another kind of file; {_REQUIRED}; check the path")
-    return [path]
-
-
-def _is_unfinished(path: Path, files: list[Path]) -> bool:
-    for file in files:
-        head, tail = _ends(file)
-        if not head:
-            raise RecordingError(f"{file}: received an empty file; {_REQUIRED}; record again")
-        if head != MAGIC:
-            raise RecordingError(
-                f"{file}: received a file that is not MCAP; {_REQUIRED}; check the path"
-            )
-        if tail != MAGIC:
-            return True
-    return path.is_dir() and not (path / METADATA_NAME).exists()
-
-
-def _ends(file: Path) -> tuple[bytes, bytes]:
-    """Return the first and the last bytes of a file, as many as the magic has."""
-    try:
-        with file.open("rb") as stream:
-            head = stream.read(len(MAGIC))
-            size = stream.seek(0, 2)
-            stream.seek(max(size - len(MAGIC), len(head)))
-            return head, stream.read()
-    except OSError as error:
-        raise RecordingError(
-            f"{file}: cannot be read ({error.strerror}); {_REQUIRED}; check its permissions"
-        ) from error
-
-
-def _recover(path: Path, file: Path, target: Path) -> None:
-    with _damage(path):
-        messages = rewrite(file, target)
-    if not messages:
-        raise RecordingError(
-            f"{path}: received an unfinished bag without a whole message; required at least one; "
-            "record again"
-        )
-
-
-@contextmanager
-def _damage(path: Path) -> Iterator[None]:
-    """Turn whatever a parser raises on damaged or foreign data into a RecordingError."""
-    try:
-        yield
-    except RecordingError:
-        raise
-    except Exception as error:  # damaged bytes can raise anything in a parser
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise RecordingError(
-            f"{path}: cannot be read as a ROS 2 bag ({reason}); {_REQUIRED} that is intact; "
-            "record again"
-        ) from error
+            files = whole_copies(path, files, folder)
+        with damage(path):
+            indexes = [read_index(file) for file in files]
+        yield Bag(path, indexes, found)

@@ -138,7 +138,8 @@ class _Decoded(NamedTuple):
 def _block(bag: Bag, topic: str, messages: list[bytes], seen: Seen) -> Columns:
     """Decode messages, and keep the first of each step."""
     try:
-        groups = [_decoded(group) for group in decode(bag.definitions, bag.topics[topic], messages)]
+        definitions = bag.definitions(topic)
+        groups = [_decoded(group) for group in decode(definitions, bag.topics[topic], messages)]
     except RecordingError as error:
         raise RecordingError(
             f"{bag.path}: {topic}: {error}, as its definition in the bag says; record again"

@@ -96,21 +96,38 @@ class Playback:
                 "again"
             )
         self._bag = bag
-        names = _chosen(bag, wanted)
+        self.left_out = {} if wanted else dict(bag.left_out)
+        """Why a topic is not played, by its name; of ``wanted`` ones nothing else is told."""
         self.ticks = CLOCK not in bag.topics
         """Whether the clock is made here."""
-        clock = PlayedTopic(CLOCK, CLOCK_TYPE, "", _CLOCK_QOS)
-        self.topics = {name: _topic(bag, name) for name in names}
-        self.topics.setdefault(CLOCK, clock if self.ticks else _topic(bag, CLOCK))
+        self.topics: dict[str, PlayedTopic] = {}
+        for name in dict.fromkeys([*_chosen(bag, wanted), *([] if self.ticks else [CLOCK])]):
+            try:
+                self.topics[name] = _topic(bag, name)
+            except RecordingError as error:
+                self.left_out[name] = str(error)
+        if self.ticks:
+            self.topics[CLOCK] = PlayedTopic(CLOCK, CLOCK_TYPE, "", _CLOCK_QOS)
+
+    @property
+    def held(self) -> dict[str, int]:
+        """How many messages the bag holds of each topic that is to be played."""
+        counts = self._bag.counts
+        return {name: counts[name] for name in (*self.topics, *self.left_out) if counts[name]}
+
+    def remarks(self) -> list[str]:
+        """Return what of the bag is not played, one line each."""
+        return self._bag.remarks(self.left_out)
 
     @property
     def duration(self) -> float:
         """From the first stamp to the last [s]."""
         return (self.end_ns - self.start_ns) / _NS_PER_S
 
-    def leave_out(self, name: str) -> None:
+    def leave_out(self, name: str, reason: str) -> None:
         """Do not play a topic."""
         del self.topics[name]
+        self.left_out[name] = reason
         self.ticks = self.ticks and name != CLOCK
 
     def time_ns(self, position: float) -> int:
@@ -168,6 +185,11 @@ def _chosen(bag: Bag, wanted: Collection[str]) -> list[str]:
     for word in wanted:
         short = word.strip("/")
         found = [n for n in bag.topics if n.strip("/") == short or n.rpartition("/")[2] == short]
+        if word in bag.left_out:
+            raise RecordingError(
+                f"--topics: received {word!r}, which cannot be played ({bag.left_out[word]}); "
+                f"required a topic of ROS 2 messages; choose another one"
+            )
         if not found:
             raise RecordingError(
                 f"--topics: received {word!r}; required a topic of {bag.path}: "
@@ -178,7 +200,7 @@ def _chosen(bag: Bag, wanted: Collection[str]) -> list[str]:
 
 
 def _topic(bag: Bag, name: str) -> PlayedTopic:
-    stepped = [*fields(bag.definition(name))][:2] == STEPPED_START
+    stepped = [*fields(bag.channel(name).definition)][:2] == STEPPED_START
     qos = strongest(bag.offered_qos(name))
     return PlayedTopic(name, bag.topics[name], bag.type_hash(name), qos, stepped)
 

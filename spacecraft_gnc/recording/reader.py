@@ -146,6 +146,7 @@ def read_flight(
             missing=_missing(columns, torques),
             overridden=_overridden(columns),
             metadata=bag.metadata(),
+            remarks=tuple(bag.remarks()),
         )
     period = scenario.period if scenario is not None else _period(columns[STATE])
     targets = _targets(n, columns[ACCEPTED_TARGET], scenario)

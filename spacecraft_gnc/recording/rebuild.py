@@ -17,6 +17,7 @@ from mcap.writer import CompressionType, Writer
 from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import prepare_folder, stopped
+from spacecraft_gnc.recording._files import MCAP_SUFFIX, bag_files, bag_in, damage
 from spacecraft_gnc.recording._metadata import (
     DISTRO,
     GAPLESS,
@@ -28,13 +29,6 @@ from spacecraft_gnc.recording._metadata import (
     write_metadata,
 )
 from spacecraft_gnc.recording._topic import STEPPED_START, Topic
-from spacecraft_gnc.recording.bag import (
-    MCAP_SUFFIX,
-    _damage,
-    _is_unfinished,
-    _storage_files,
-    bag_in,
-)
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
 from spacecraft_gnc.recording.steps import SPARSE
@@ -63,6 +57,8 @@ class Rebuilt:
         Bytes of records that were cut off.
     damaged_chunks
         Chunks that were whole in length but not in content.
+    orphans
+        Messages left out, for no record before them tells their topic.
     """
 
     folder: Path
@@ -72,6 +68,7 @@ class Rebuilt:
     missing_steps: dict[str, int] = field(default_factory=dict)
     cut_bytes: int = 0
     damaged_chunks: int = 0
+    orphans: int = 0
 
     @property
     def messages(self) -> int:
@@ -111,12 +108,19 @@ def rebuild(
         written. Nothing is left behind then.
     """
     source = bag_in(Path(source))
-    files = _storage_files(source)
-    if not _is_unfinished(source, files):
-        raise RecordingError(
-            f"{source}: received a whole bag; required one that was cut off; use it as it is"
-        )
-    target = default_folder(source) if folder is None else Path(folder)
+    with bag_files(source) as found:
+        if not found.unfinished:
+            raise RecordingError(
+                f"{source}: received a whole bag; required one that was cut off; use it as it is"
+            )
+        target = default_folder(source) if folder is None else Path(folder)
+        return _rebuild(source, target, found.files, progress)
+
+
+def _rebuild(
+    source: Path, target: Path, files: list[Path], progress: Callable[[int, int], None]
+) -> Rebuilt:
+    """Write the new bag; leave nothing behind where that fails."""
     made = prepare_folder(target)
     try:
         return _Rebuild(source, target).run(files, progress)
@@ -184,10 +188,11 @@ class _Rebuild:
                     progress(stream.tell(), records.size)
         self._result.cut_bytes += records.cut
         self._result.damaged_chunks += records.damaged_chunks
+        self._result.orphans += records.orphans
 
     def _intact(self, records: WholeRecords) -> Iterator[McapRecord]:
         """Yield records; what a parser raises becomes a RecordingError, what a disk raises not."""
-        with _damage(self._source):
+        with damage(self._source):
             yield from records
 
     def _take(self, record: McapRecord) -> bool:
@@ -255,6 +260,7 @@ class _Rebuild:
             else f"{result.last_whole_step}",
             "cut_bytes": str(result.cut_bytes),
             "damaged_chunks": str(result.damaged_chunks),
+            "orphans": str(result.orphans),
         }
 
     def _summary(self) -> BagSummary:

@@ -44,7 +44,9 @@ def rewrite(source: Path, target: Path) -> int:
 
 
 class WholeRecords:
-    """The records of the data section up to the first that is cut off; damaged chunks are left out.
+    """The records of the data section up to the first that is cut off.
+
+    Damaged chunks are left out, and messages of a topic that no record before them names.
 
     Iterate over it once; what is said of the damage holds afterwards.
 
@@ -62,9 +64,21 @@ class WholeRecords:
         self.cut = 0 if is_complete else self.size - self._end
         """Bytes after the last whole record."""
         self.damaged_chunks = 0
+        self.orphans = 0
+        """Messages left out, for no record before them tells their topic."""
 
     def __iter__(self) -> Iterator[McapRecord]:
         """Yield the records; those of a chunk one by one."""
+        channels: set[int] = set()
+        for record in self._records():
+            if isinstance(record, Channel):
+                channels.add(record.id)
+            if isinstance(record, Message) and record.channel_id not in channels:
+                self.orphans += 1
+            else:
+                yield record
+
+    def _records(self) -> Iterator[McapRecord]:
         stream = self._stream
         if stream.seek(len(MAGIC)) == self._end:
             return
@@ -146,7 +160,7 @@ class Copy:
         return self._known[key]
 
     def _channel(self, channel: Channel) -> int:
-        schema_id = self._schema_ids[channel.schema_id]
+        schema_id = self._schema_ids.get(channel.schema_id, 0)  # 0: without a definition
         key = channel.topic, schema_id
         if key not in self._known:
             self._known[key] = self._writer.register_channel(

@@ -45,6 +45,8 @@ class RunInfo:
         Steps whose applied torque differs from the command (late, refused or never came).
     metadata
         Records of the bag, for instance versions.
+    remarks
+        What of the bag is not read, one line each.
     """
 
     path: Path
@@ -56,10 +58,11 @@ class RunInfo:
     missing: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     overridden: tuple[int, ...] = ()
     metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
 
     def warnings(self) -> list[str]:
         """Return what a reader of the run should be told, one line each."""
-        lines = []
+        lines = [*self.remarks]
         if self.unfinished:
             lines.append(f"{self.path}: the bag was cut off; what was saved is shown")
         for topic, steps in self.missing.items():

@@ -59,18 +59,21 @@ def text(words: str) -> bytes:
     return padded(bytes(CODEC.store.serialize_cdr(message, STRING)))
 
 
-def recorded(folder: Path, steps: int = STEPS) -> dict[str, list[bytes]]:
-    """Write a bag of a flight, a latched note, and topics of unknown and of changed types."""
+def recorded(
+    folder: Path, steps: int = STEPS, *, unplayable: bool = False
+) -> dict[str, list[bytes]]:
+    """Write a bag of a flight and a latched note; ``unplayable``: and of types not installed so."""
     payloads: dict[str, list[bytes]] = defaultdict(list)
     note = QosProfile(depth=1, durability="transient_local")
     with BagWriter(folder) as writer:
         announce(writer)
         writer.add_topic("/note", STRING, CODEC.texts[STRING], qos_yaml=qos_yaml(note))
-        writer.add_topic("/foreign", "absent_msgs/msg/Thing", "string data\n")
-        writer.add_topic("/other", "std_msgs/msg/Int32", "int64 data\n")
         writer.write("/note", 0, 0, text("remember"))
-        writer.write("/other", 0, 0, b"\0\1\0\0" + bytes(8))
-        writer.write("/foreign", 0, 0, text("unknown"))
+        if unplayable:
+            writer.add_topic("/foreign", "absent_msgs/msg/Thing", "string data\n")
+            writer.add_topic("/other", "std_msgs/msg/Int32", "int64 data\n")
+            writer.write("/other", 0, 0, b"\0\1\0\0" + bytes(8))
+            writer.write("/foreign", 0, 0, text("unknown"))
         for topic, step, data in flight_messages(random_flight(steps)):
             writer.write(f"/{topic}", step * STEP_NS, step * STEP_NS, data)
             payloads[f"/{topic}"].append(data)
@@ -110,14 +113,14 @@ class Player:
         assert found, self.announced
         self.domain_id = int(found[1])
 
-    def end(self) -> tuple[str, str]:
-        """Wait for a good end; return what was printed."""
+    def end(self, code: int = 0) -> tuple[str, str]:
+        """Wait for the end, a good one by default; return what was printed."""
         # not communicate(): it would leave out what was read ahead with the first line
         with self.process as process:
             assert process.stdout is not None
             out = process.stdout.read()
             err = process.stderr.read() if process.stderr else ""
-        assert self.process.returncode == 0, err
+        assert self.process.returncode == code, err
         return out, err
 
 

@@ -27,6 +27,7 @@ from graph.players import (
     stamp,
     text,
 )
+from recording.foreign_bags import edit, with_the_span_of_the_end, without_qos
 from std_msgs.msg import String
 
 from spacecraft_gnc.launcher import environment
@@ -62,8 +63,11 @@ def play(tmp_path: Path) -> Iterator[Callable[..., tuple[Player, Listener]]]:
 
 
 def test_all_messages_arrive_as_recorded(play: Any, tmp_path: Path) -> None:
-    payloads = recorded(tmp_path / "all")
-    player, listener = play("--rate", "max", bag=tmp_path / "all")
+    bag = tmp_path / "all"
+    payloads = recorded(bag, unplayable=True)
+    edit(bag, without_qos)
+    edit(bag, with_the_span_of_the_end)
+    player, listener = play("--rate", "max", bag=bag)
     listener.listen(*TYPES)
     listener.listen("/note", kind=String, qos=latched(1))
     count = sum(len(messages) for messages in payloads.values()) + STEPS + 2
@@ -71,12 +75,14 @@ def test_all_messages_arrive_as_recorded(play: Any, tmp_path: Path) -> None:
     for topic, expected in payloads.items():
         assert listener.heard[topic] == [padded(data) for data in expected]
     assert listener.heard["/note"] == [text("remember")]
-    out, err = player.end()
+    out, err = player.end(code=1)
     assert f"played to its end, {6 * STEPS + 4 + STEPS} messages" in out
     changed = "std_msgs/msg/Int32 is installed in another version than was recorded"
+    remedy = "required all that it holds; name what is to be played with --topics"
     assert err.splitlines() == [
-        "warning: /foreign is not played: absent_msgs/msg/Thing is not installed",
-        f"warning: /other is not played: {changed}",
+        f"warning: {bag}: /foreign is left out: absent_msgs/msg/Thing is not installed",
+        f"warning: {bag}: /other is left out: {changed}",
+        f"error: {bag}: /foreign, /other not played; {remedy}",
     ]
 
 

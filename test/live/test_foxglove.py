@@ -138,7 +138,7 @@ def test_channels_carry_the_definitions_of_the_bag(stage) -> None:
             assert channel["encoding"] == "cdr"
             assert channel["schemaEncoding"] == "ros2msg"
             assert channel["schemaName"] == bag.topics[topic]
-            assert channel["schema"] == bag.definition(topic)
+            assert channel["schema"] == bag.channel(topic).definition
         assert "playbackControl" in app.about["capabilities"]
 
 

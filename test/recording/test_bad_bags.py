@@ -161,8 +161,11 @@ def test_a_file_that_is_not_of_ros_2(tmp_path):
     with path.open("wb") as stream:
         writer = Writer(stream)
         writer.start(profile="")
+        schema = writer.register_schema("foo", "jsonschema", b"{}")
+        channel = writer.register_channel("/web/notes", "json", schema)
+        writer.add_message(channel, 0, b"{}", 0)
         writer.finish()
-    refused(path, "cannot be read as a ROS 2 bag")
+    refused(path, "no topic attitude_state; .* topics in the bag: none")
 
 
 def test_a_damaged_metadata_yaml(tmp_path, whole):

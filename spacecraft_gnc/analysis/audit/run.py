@@ -38,12 +38,15 @@ class Audit:
         The lines of the table.
     first
         The check, step and field that differ first; None where the bag holds what it says.
+    remarks
+        What of the bag is not read, one line each.
     """
 
     path: Path
     steps: int
     checks: tuple[Check, ...]
     first: tuple[Check, Difference] | None
+    remarks: tuple[str, ...] = ()
 
     @property
     def passed(self) -> bool:
@@ -61,6 +64,7 @@ class Audit:
             "steps": self.steps,
             "passed": self.passed,
             "first": found,
+            "remarks": list(self.remarks),
             "checks": [check.as_dict() for check in self.checks],
         }
 
@@ -107,7 +111,8 @@ def audit_bag(
         audit_decisions(evidence, ledger, tolerance, watch("asking the governor"))
         _audit_solves(evidence, ledger, watch("certifying"))
         audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
-    return Audit(Path(path), evidence.n, tuple(ledger.checks.values()), ledger.first)
+        remarks = tuple(bag.remarks())
+    return Audit(Path(path), evidence.n, tuple(ledger.checks.values()), ledger.first, remarks)
 
 
 def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None) -> None:

@@ -66,11 +66,14 @@ class Export:
         Of the flight, by step.
     left_out
         Recorded topics whose messages belong to no control step.
+    remarks
+        What else of the bag is not read, one line each.
     """
 
     path: Path
     topics: tuple[Topic, ...]
     left_out: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
     def steps(self) -> NDArray[np.int64]:
         """Return every step that any topic has, ascending: the rows of the table."""
@@ -137,7 +140,8 @@ def read_export(
             )
         require_reach(bag, *(topic.steps for topic in topics))
         left_out = tuple(sorted(topic for name, topic in recorded.items() if name not in TYPES))
-    return Export(path, topics, () if names else left_out)
+        remarks = tuple(bag.remarks())
+    return Export(path, topics, *(((), ()) if names else (left_out, remarks)))
 
 
 def _require(path: Path, names: Sequence[str], known: Sequence[str]) -> None:
@@ -150,7 +154,7 @@ def _require(path: Path, names: Sequence[str], known: Sequence[str]) -> None:
 
 
 def _topic(bag: Bag, name: str, topic: str, columns: Columns) -> Topic:
-    texts = field_texts(bag.definition(topic))
+    texts = field_texts(bag.channel(topic).definition)
     fields = [
         Field(STEP, columns.steps, _STEP_TEXT),
         Field(STAMP, columns.stamps, _STAMP_TEXT),

@@ -90,7 +90,15 @@ class FoxgloveServer:
         """Where it listens."""
         return int(self._server.port)
 
-    def announce(self, topic: str, type_name: str, definition: str, *, latched: bool) -> None:
+    def announce(
+        self,
+        topic: str,
+        type_name: str,
+        definition: str,
+        *,
+        encoding: str = "ros2msg",
+        latched: bool,
+    ) -> None:
         """Offer a topic.
 
         Parameters
@@ -100,13 +108,15 @@ class FoxgloveServer:
         type_name
             ``pkg/msg/Type``.
         definition
-            Its complete ``ros2msg`` text.
+            Its complete text.
+        encoding
+            Of the definition: ``ros2msg``, ``ros2idl`` or ``omgidl``.
         latched
             Whether whoever subscribes late gets the last message.
         """
         from foxglove import Channel, Schema
 
-        schema = Schema(name=type_name, encoding="ros2msg", data=definition.encode())
+        schema = Schema(name=type_name, encoding=encoding, data=definition.encode())
         self._channels[topic] = Channel(
             topic, schema=schema, message_encoding="cdr", context=self._context
         )
@@ -208,11 +218,17 @@ def _listener(server: FoxgloveServer, transport: Transport | None) -> Any:
 def announce_all(bag: Bag, playback: Playback, server: FoxgloveServer) -> None:
     """Offer every topic that is played, with its definition from the bag."""
     for name, topic in list(playback.topics.items()):
-        definition = bag.definition(name) if name in bag.topics else ""
-        if definition:
-            server.announce(name, topic.type_name, definition, latched=topic.is_latched)
-        else:
-            playback.leave_out(name)  # a clock made here: the app has its own
+        if name not in bag.topics:
+            playback.leave_out(name, "the app has a clock of its own")
+            continue
+        channel = bag.channel(name)
+        server.announce(
+            name,
+            topic.type_name,
+            channel.definition,
+            encoding=channel.schema_encoding,
+            latched=topic.is_latched,
+        )
 
 
 def play(
