@@ -103,10 +103,10 @@ setup(
     entry_points={
         "console_scripts": [
             f"gnc = {NAME}.__main__:main",
-            f"plant = {NAME}.nodes.plant:main",
-            f"nmpc_controller = {NAME}.nodes.nmpc_controller:main",
-            f"reference_governor = {NAME}.nodes.reference_governor:main",
-            f"recorder = {NAME}.nodes.recorder:main",
+            f"plant = {NAME}.__main__:plant",
+            f"nmpc_controller = {NAME}.__main__:nmpc_controller",
+            f"reference_governor = {NAME}.__main__:reference_governor",
+            f"recorder = {NAME}.__main__:recorder",
         ],
         # Another package adds a vehicle, a method or a governor by the same three groups.
         f"{NAME}.plants": [f"rigid_body = {NAME}.loop.plants:RigidBodyPlant"],

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import ast
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from blocked_imports import run_without
 
 PACKAGE = "spacecraft_gnc"
 ROOT = Path(__file__).resolve().parent.parent / PACKAGE
 FILES = sorted(ROOT.rglob("*.py"))
 
 LAYERS = (
-    {"__init__", "errors"},
+    {"__init__", "errors", "extras"},
     {"types", "_kernels"},
     {"lie"},
     {"dynamics"},
@@ -107,33 +106,6 @@ def test_the_rules_are_not_vacuous() -> None:
     seen = {module for path in FILES for _, module in imports(path)}
     assert {"numba", "rclpy"} <= {module.split(".")[0] for module in seen}
     assert f"{PACKAGE}.types" in seen
-
-
-BLOCKED_RUN = """
-import sys
-BLOCKED = {blocked!r}
-
-class Blocker:
-    def find_spec(self, name, path=None, target=None):
-        root = name.split(".")[0]
-        if root in BLOCKED or ("_msgs" in BLOCKED and root.endswith("_msgs")):
-            raise ModuleNotFoundError(f"{{name}} is blocked in this test", name=name)
-        return None
-
-sys.meta_path.insert(0, Blocker())
-"""
-
-
-def run_without(blocked: tuple[str, ...], code: str) -> subprocess.CompletedProcess[str]:
-    """Run code in a process of its own in which some libraries cannot be imported."""
-    return subprocess.run(
-        [sys.executable, "-c", BLOCKED_RUN.format(blocked=blocked) + code],
-        cwd=ROOT.parent,
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
 
 
 def test_everything_below_the_nodes_imports_without_ros() -> None:

@@ -15,6 +15,7 @@ import typer
 
 from spacecraft_gnc.cli._common import QuietOption, RunFailed, json_able, print_table
 from spacecraft_gnc.cli._progress import Progress, show_progress
+from spacecraft_gnc.extras import require_ros
 from spacecraft_gnc.scenario.shipped import shipped
 
 ResultOption = Annotated[
@@ -38,6 +39,8 @@ def bench(
     quiet: QuietOption = False,
 ) -> None:
     """Measure the speed of Gupta's Case I, layer by layer; figures for docs/performance.md."""
+    if graph:
+        require_ros()
     with show_progress("measuring", silent=quiet) as progress:
         figures = _measure(graph, progress)
     if not quiet:

@@ -21,6 +21,7 @@ from spacecraft_gnc.cli._common import (
     print_table,
     tell_warnings,
 )
+from spacecraft_gnc.extras import require_ros
 from spacecraft_gnc.launcher.deadlines import misses_most
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
@@ -64,6 +65,7 @@ def launch(
 ) -> None:
     """Fly a scenario as a ROS 2 graph: one process a node, recorded into a bag."""
     born = time.monotonic()
+    require_ros()
     changes = [
         *(overrides or ()),
         *([f"plant.mode={mode}"] if mode is not None else []),

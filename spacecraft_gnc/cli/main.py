@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 from spacecraft_gnc import __version__
 from spacecraft_gnc.cli._common import print_error
 from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.extras import explained_imports
 
 
 class _Command(NamedTuple):
@@ -116,7 +117,8 @@ def main(argv: Sequence[str] | None = None) -> None:
         With 0 (done), 1 (the run or the check failed) or 2 (the input was refused).
     """
     try:
-        app(args=None if argv is None else list(argv), prog_name="gnc")
+        with explained_imports():
+            app(args=None if argv is None else list(argv), prog_name="gnc")
     except GncError as error:
         print_error(error)
         sys.exit(error.exit_code)

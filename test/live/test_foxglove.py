@@ -16,6 +16,7 @@ from recording.bags import flight_messages, random_flight, record
 from spacecraft_gnc.analysis.live import foxglove
 from spacecraft_gnc.analysis.live.server import PortTaken
 from spacecraft_gnc.analysis.live.transport import Transport
+from spacecraft_gnc.extras import MissingDependency
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.playback import Playback
 
@@ -176,5 +177,5 @@ def test_a_port_that_is_taken_is_refused(stage) -> None:
 
 def test_without_the_library_the_remedy_is_named(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "foxglove", None)
-    with pytest.raises(foxglove.FoxgloveMissing, match=r"install spacecraft_gnc\[view\]"):
+    with pytest.raises(MissingDependency, match=r"pip install 'spacecraft_gnc\[view\]'"):
         foxglove.FoxgloveServer()

@@ -14,6 +14,7 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.analysis.export.topics import STEP, Column, Export
 from spacecraft_gnc.analysis.whole_file import whole_file
 from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.extras import explained_imports
 
 SUFFIXES: Final = ("csv", "parquet", "npz", "mat")
 LONGEST_NAME: Final = 31
@@ -118,14 +119,9 @@ def _cells(column: Column, begin: int, end: int) -> list[Any]:
 
 
 def _write_parquet(export: Export, file: Path, progress: Progress) -> None:
-    try:
+    with explained_imports():
         import pyarrow as pa
         import pyarrow.parquet as pq
-    except ImportError as error:
-        raise ParameterError(
-            "--format: received parquet, but pyarrow is not installed; required pyarrow; install "
-            "it: pip install 'spacecraft_gnc[export]', or choose csv, npz or mat"
-        ) from error
     columns, steps = _table(export), export.steps()
     arrays = [pa.array(steps)]
     fields = [pa.field(STEP, pa.int64(), metadata={"unit": "-", "description": "control step"})]

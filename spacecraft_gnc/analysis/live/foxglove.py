@@ -14,7 +14,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from spacecraft_gnc.analysis.live.server import refused
-from spacecraft_gnc.errors import GncError, ParameterError
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.extras import explained_imports
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -33,10 +34,6 @@ _NS_PER_S: Final = 1_000_000_000
 _OS_ERROR: Final = re.compile(r"os error (\d+)")
 
 
-class FoxgloveMissing(GncError):
-    """The library is not installed."""
-
-
 class FoxgloveServer:
     """Publishes serialized messages to the Foxglove app. Use it as a context manager.
 
@@ -51,7 +48,7 @@ class FoxgloveServer:
 
     Raises
     ------
-    FoxgloveMissing
+    MissingDependency
         foxglove-sdk is not installed.
     PortTaken
         The port asked for cannot be had.
@@ -60,13 +57,8 @@ class FoxgloveServer:
     def __init__(
         self, host: str = "127.0.0.1", port: int | None = None, transport: Transport | None = None
     ) -> None:
-        try:
+        with explained_imports():
             import foxglove
-        except ImportError as error:
-            raise FoxgloveMissing(
-                "--foxglove: foxglove-sdk is not installed; required for the Foxglove app; install "
-                "spacecraft_gnc[view], or leave --foxglove out for the page that needs nothing"
-            ) from error
         foxglove.set_log_level(logging.CRITICAL)  # an app that leaves is no error
         self._context = foxglove.Context()
         self._channels: dict[str, Any] = {}

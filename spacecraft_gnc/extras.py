@@ -1,0 +1,73 @@
+"""What the optional dependencies bring, and the one line that tells of a missing one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from typing import Final
+
+from spacecraft_gnc.errors import GncError
+
+_OWN_MESSAGES: Final = "spacecraft_gnc_msgs"
+_ROS: Final = "the node graph needs ROS 2: pip install 'spacecraft_gnc[ros]'"
+_NEEDS: Final = {
+    _OWN_MESSAGES: (
+        "the node graph needs its messages built: run `make setup` in a checkout, or `colcon build "
+        f"--packages-select {_OWN_MESSAGES}` and source install/setup.bash"
+    ),
+    "rclpy": _ROS,
+    "rcl_interfaces": _ROS,
+    "builtin_interfaces": _ROS,
+    "foxglove": "--foxglove needs foxglove-sdk: pip install 'spacecraft_gnc[view]', or leave "
+    "--foxglove out for the page that needs nothing",
+    "pyarrow": "--format parquet needs pyarrow: pip install 'spacecraft_gnc[export]', or choose "
+    "csv, npz or mat",
+}
+"""Module that an extra brings, and what is to be done without it."""
+
+
+class MissingDependency(GncError, ModuleNotFoundError):
+    """A library that only some commands need is not installed."""
+
+
+@contextmanager
+def explained_imports() -> Iterator[None]:
+    """Explain an import within that fails because an extra of the package is not installed.
+
+    Raises
+    ------
+    MissingDependency
+        In place of the ModuleNotFoundError of a module that an extra brings.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        need = _need(error.name or "")
+        if need is None or isinstance(error, MissingDependency):
+            raise
+        raise _missing(error.name or "", need) from error
+
+
+def require_ros() -> None:
+    """Refuse to begin what will start nodes where there is no ROS 2; imports nothing.
+
+    Raises
+    ------
+    MissingDependency
+        rclpy or the messages are not installed.
+    """
+    for name in ("rclpy", _OWN_MESSAGES):
+        with explained_imports():
+            if find_spec(name) is None:
+                raise _missing(name, _NEEDS[name])
+
+
+def _need(module: str) -> str | None:
+    root = module.partition(".")[0]
+    return _NEEDS.get(root, _ROS if root.endswith("_msgs") else None)
+
+
+def _missing(module: str, need: str) -> MissingDependency:
+    root = module.partition(".")[0]
+    return MissingDependency(f"{need} (there is no module {root!r})", name=module)
