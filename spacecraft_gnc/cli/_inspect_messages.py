@@ -17,9 +17,15 @@ if TYPE_CHECKING:
     from spacecraft_gnc.nodes._graph import GraphView
 
 TopicArgument = Annotated[str, typer.Argument(metavar="TOPIC", help="Name, e.g. attitude_state.")]
-CountOption = Annotated[int, typer.Option("--count", "-n", min=0, help="0: until Ctrl-C.")]
-TimeoutOption = Annotated[float, typer.Option(min=0.0, help="Patience for a message [s].")]
-WindowOption = Annotated[float, typer.Option(min=0.1, help="Wall time of one figure [s].")]
+CountOption = Annotated[
+    int, typer.Option("--count", "-n", min=0, metavar="N", help="0: until Ctrl-C.")
+]
+TimeoutOption = Annotated[
+    float, typer.Option(min=0.0, metavar="S", help="Patience for a message [s].")
+]
+WindowOption = Annotated[
+    float, typer.Option(min=0.1, metavar="S", help="Wall time of one figure [s].")
+]
 JsonLinesOption = Annotated[
     bool, typer.Option("--json", help="Print one JSON object a line and nothing else.")
 ]

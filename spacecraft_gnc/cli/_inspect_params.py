@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperGroup
 
 from spacecraft_gnc.cli._common import JsonOption, print_json, print_table
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain
+from spacecraft_gnc.cli._help import App, Group
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -19,21 +19,19 @@ NameArgument = Annotated[str, typer.Argument(metavar="NAME", help="Parameter, e.
 _COMMANDS = ("list", "get", "set")
 
 
-class _ListByDefault(TyperGroup):
+class _ListByDefault(Group):
     """``params NODE`` means ``params list NODE``."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put ``list`` in front where no command is named."""
-        if args and args[0] not in (*_COMMANDS, "--help"):
+        if args and args[0] not in (*_COMMANDS, *ctx.help_option_names):
             args = ["list", *args]
         return list(super().parse_args(ctx, args))
 
 
-params = typer.Typer(
+params = App(
     cls=_ListByDefault,
-    help="List, get and set the parameters of a node: params NODE, params get NODE NAME, ...",
-    add_completion=False,
-    rich_markup_mode=None,
+    help="List, get or set the parameters of a node; params NODE means params list NODE.",
     no_args_is_help=True,
 )
 

@@ -36,7 +36,9 @@ class Format(str, Enum):
 BagArgument = Annotated[
     Path, typer.Argument(metavar="BAG", readable=False, help="Bag folder or .mcap file.")
 ]
-FormatOption = Annotated[Format, typer.Option("--format", "-f", help="File format.")]
+FormatOption = Annotated[
+    Format, typer.Option("--format", "-f", metavar="|".join(Format), help="File format.")
+]
 OutOption = Annotated[
     Path | None,
     typer.Option(

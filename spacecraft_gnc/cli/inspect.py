@@ -14,14 +14,12 @@ from spacecraft_gnc.cli._common import (
     print_table,
 )
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain
+from spacecraft_gnc.cli._help import App
 from spacecraft_gnc.cli._inspect_messages import JsonLinesOption, delay, echo, hz
 from spacecraft_gnc.cli._inspect_params import NodeArgument, params
 
-inspect = typer.Typer(
+inspect = App(
     help="Look at a live graph: its nodes, topics, messages, rates, parameters, life cycles.",
-    add_completion=False,
-    rich_markup_mode=None,
-    pretty_exceptions_enable=False,
     no_args_is_help=True,
 )
 _WINDOW = 2.0  # [s] wall over which `topics --rates` counts
@@ -87,7 +85,7 @@ def lifecycle(
     node: NodeArgument,
     transition: Annotated[
         str | None,
-        typer.Argument(metavar="[TRANSITION]", help="Go through this one, e.g. cleanup."),
+        typer.Argument(metavar="TRANSITION", help="Go through this one, e.g. cleanup."),
     ] = None,
     domain_id: DomainOption = None,
     as_json: JsonOption = False,
@@ -111,9 +109,12 @@ def lifecycle(
 @inspect.command()
 def watch(
     once: Annotated[bool, typer.Option("--once", help="Print one frame and end.")] = False,
-    timeout: Annotated[float, typer.Option(min=0.0, help="Patience for a state [s].")] = 10.0,
+    timeout: Annotated[
+        float, typer.Option(min=0.0, metavar="S", help="Patience for a state [s].")
+    ] = 10.0,
     namespace: Annotated[
-        str, typer.Option(help="Of the spacecraft, where there are several.")
+        str,
+        typer.Option(metavar="NAME", help="Of the spacecraft, where there are several."),
     ] = "",
     domain_id: DomainOption = None,
     as_json: JsonLinesOption = False,

@@ -12,10 +12,12 @@ from collections.abc import Sequence
 from typing import Annotated, Any, Final, NamedTuple
 
 import typer
-from typer.core import TyperGroup
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.cli._common import print_error
+from spacecraft_gnc.cli._completion import told_completion
+from spacecraft_gnc.cli._help import CONTEXT, App, Command, Group, UsageError
+from spacecraft_gnc.cli._output import OutputFailed, PipeClosed, checked_streams
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.extras import explained_imports
 
@@ -27,7 +29,6 @@ class _Command(NamedTuple):
     """``module:attribute``"""
     summary: str
     """Line in the list of commands; here, so that ``gnc --help`` imports no command."""
-    hidden: bool = False
 
 
 _PACKAGE: Final = "spacecraft_gnc.cli"
@@ -66,46 +67,43 @@ COMMANDS: Final = {
         f"{_PACKAGE}.reproduce:reproduce", "Run a paper's cases; print ours beside the paper's."
     ),
     "warmup": _Command(
-        f"{_PACKAGE}.warmup:warmup", "Compile every kernel into the cache.", hidden=True
+        f"{_PACKAGE}.warmup:warmup", "Compile every kernel ahead, so that no flight waits for it."
     ),
 }
-_PLAIN: Final[dict[str, Any]] = {
-    "add_completion": False,
-    "rich_markup_mode": None,
-    "pretty_exceptions_enable": False,
-}
 
 
-class _LazyGroup(TyperGroup):
-    """A group that imports a command when it is asked for."""
+class _LazyGroup(Group):
+    """A group that imports a command when it is called, or when its own words are completed."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the words before the command."""
+        with told_completion(list(args)):
+            return list(super().parse_args(ctx, args))
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names in the order of the help text."""
         return list(COMMANDS)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return the command called ``cmd_name``, or None."""
+        """Return the command called ``cmd_name`` with its summary alone, or None."""
         command = COMMANDS.get(cmd_name)
-        return None if command is None else _load(cmd_name, command)
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the list of commands."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(n, c.summary) for n, c in COMMANDS.items() if not c.hidden])
+        return None if command is None else Command(cmd_name, help=command.summary)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Name the nearest command where there is none of that name."""
-        if args[0] not in COMMANDS:
+        """Import the command that is called; name the nearest where there is none of that name."""
+        name = args[0]
+        if name in COMMANDS:
+            return name, _load(name, COMMANDS[name]), args[1:]
+        if not ctx.resilient_parsing:
             from difflib import get_close_matches
 
-            visible = [name for name, command in COMMANDS.items() if not command.hidden]
-            nearest = get_close_matches(args[0], visible, n=1)
-            remedy = f"did you mean {nearest[0]!r}?" if nearest else f"use {', '.join(visible)}"
-            ctx.fail(f"No such command {args[0]!r}; {remedy}")
-        return super().resolve_command(ctx, args)
+            nearest = get_close_matches(name, COMMANDS, n=1)
+            remedy = f"did you mean {nearest[0]!r}?" if nearest else f"use {', '.join(COMMANDS)}"
+            ctx.fail(f"no such command {name!r}; {remedy}")
+        return None, None, args[1:]
 
 
-app = typer.Typer(cls=_LazyGroup, no_args_is_help=True, **_PLAIN)
+app = App(cls=_LazyGroup, no_args_is_help=True, add_completion=True, context_settings=CONTEXT)
 
 
 def main(argv: Sequence[str] | None = None) -> None:
@@ -114,14 +112,51 @@ def main(argv: Sequence[str] | None = None) -> None:
     Raises
     ------
     SystemExit
-        With 0 (done), 1 (the run or the check failed) or 2 (the input was refused).
+        With 0 (done), 1 (the run or the check failed) or 2 (the input was refused); 130 after
+        Ctrl-C and 141 where whoever read the output has gone, as a shell reports the signals.
     """
     try:
+        with checked_streams():
+            sys.exit(_run(argv))
+    except OutputFailed as error:
+        if not isinstance(error, PipeClosed):
+            print_error(error)
+        sys.exit(error.exit_code)
+
+
+def _run(argv: Sequence[str] | None) -> int:
+    """Run ``gnc``, print what the user can mend, and return the exit code."""
+    try:
         with explained_imports():
-            app(args=None if argv is None else list(argv), prog_name="gnc")
+            arguments = None if argv is None else list(argv)
+            return int(app(args=arguments, prog_name="gnc", standalone_mode=False) or 0)
+    except OutputFailed:
+        raise
     except GncError as error:
         print_error(error)
-        sys.exit(error.exit_code)
+        return error.exit_code
+    except UsageError as error:
+        _print_usage_error(error)
+        return 2
+    except typer.Abort:
+        return 130
+
+
+def _print_usage_error(error: Any) -> None:
+    """Print what the option parser refuses as every refusal is printed."""
+    if type(error).__name__ == "NoArgsIsHelpError":
+        error.show()
+        return
+    path = "gnc" if error.ctx is None else error.ctx.command_path
+    problem = " ".join(error.format_message().split()).rstrip(".")
+    received: list[Any] = getattr(error.__cause__, "errors", list)()  # of pydantic, typer's reader
+    if received and error.param is not None:
+        hint, _, need = problem.removeprefix("Invalid value for ").partition(": ")
+        need = need.removeprefix("Input should be ").partition(", unable to")[0]
+        need = need.partition(" is not ")[2] or need
+        problem = f"{hint}: received {received[0]['input']!r}; required {need}"
+    end = " See" if problem.endswith("?") else "; see"
+    print_error(f"{path}: {problem[0].lower()}{problem[1:]}{end} {path} --help")
 
 
 def _print_version(wanted: bool) -> None:
@@ -146,8 +181,8 @@ def _load(name: str, command: _Command) -> Any:
     module, _, attribute = command.target.partition(":")
     target = getattr(importlib.import_module(module), attribute)
     if not isinstance(target, typer.Typer):
-        function, target = target, typer.Typer(**_PLAIN)
-        target.command(name, hidden=command.hidden)(function)
+        function, target = target, App()
+        target.command(name)(function)
     found = typer.main.get_command(target)
     found.name = name
     return found

@@ -47,7 +47,7 @@ class ErrorScale(str, Enum):
 SourcesArgument = Annotated[
     list[Path],
     typer.Argument(
-        metavar="RUN...",
+        metavar="RUN",
         help="Folder of a launch, bag folder, .mcap file, or .npz of gnc simulate; several are "
         "drawn over each other.",
     ),
@@ -68,7 +68,12 @@ OutOption = Annotated[
 ]
 FormatOption = Annotated[
     list[Format],
-    typer.Option("--format", "-f", help="File format; may be given several times."),
+    typer.Option(
+        "--format",
+        "-f",
+        metavar="png|svg|pdf",
+        help="File format; may be given several times.",
+    ),
 ]
 ScenarioOption = Annotated[
     Path | None,
@@ -79,11 +84,14 @@ ScenarioOption = Annotated[
     ),
 ]
 ScaleOption = Annotated[
-    ErrorScale, typer.Option("--error-scale", help="Scale of the attitude error.")
+    ErrorScale,
+    typer.Option("--error-scale", metavar="log|linear", help="Scale of the attitude error."),
 ]
 TitleOption = Annotated[
     str | None,
-    typer.Option("--title", help="Heading of the overview.  [default: name of the source]"),
+    typer.Option(
+        "--title", metavar="TEXT", help="Heading of the overview.  [default: name of the source]"
+    ),
 ]
 
 

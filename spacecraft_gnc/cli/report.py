@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 SourcesArgument = Annotated[
     list[Path],
     typer.Argument(
-        metavar="BAG|FILE.npz...",
+        metavar="BAG|FILE.npz",
         help="Bag folder, .mcap file, or .npz of gnc simulate; several are compared with the "
         "first.",
         readable=False,
@@ -40,7 +40,10 @@ OutOption = Annotated[
     typer.Option("--out", "-o", metavar="FILE.html", readable=False, help="Where to write it."),
 ]
 TitleOption = Annotated[
-    str, typer.Option("--title", help="Heading of the page.  [default: names of the runs]")
+    str,
+    typer.Option(
+        "--title", metavar="TEXT", help="Heading of the page.  [default: names of the runs]"
+    ),
 ]
 
 

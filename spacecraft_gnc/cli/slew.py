@@ -26,7 +26,8 @@ QuaternionOption = Annotated[
     typer.Option("--quaternion", metavar="X Y Z W", help="Target, body to inertial."),
 ]
 ToleranceOption = Annotated[
-    float, typer.Option("--tolerance-deg", min=0.0, help="0: the governor's default [deg].")
+    float,
+    typer.Option("--tolerance-deg", metavar="A", min=0.0, help="0: the governor's default [deg]."),
 ]
 
 

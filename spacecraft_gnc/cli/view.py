@@ -25,18 +25,27 @@ _LAYOUT = "spacecraft_gnc.foxglove-layout.json"
 BagArgument = Annotated[
     Path | None,
     typer.Argument(
-        metavar="[BAG|FILE.npz]",
+        metavar="BAG|FILE.npz",
         help="Bag folder, .mcap file, or .npz of gnc simulate.  [default: the running graph]",
     ),
 ]
 PortOption = Annotated[
     int | None,
     typer.Option(
-        "--port", min=1, max=65535, help="[default: 8760, for Foxglove 8765; taken: any free one]"
+        "--port",
+        metavar="N",
+        min=1,
+        max=65535,
+        help="Port to listen on.  [default: 8760, for Foxglove 8765; taken: any free one]",
     ),
 ]
 HostOption = Annotated[
-    str, typer.Option("--host", help="Address to listen on; 127.0.0.1 is reached from here only.")
+    str,
+    typer.Option(
+        "--host",
+        metavar="ADDRESS",
+        help="Address to listen on; 127.0.0.1 is reached from here only.",
+    ),
 ]
 FoxgloveOption = Annotated[
     bool,
@@ -58,7 +67,9 @@ def view(
     foxglove: FoxgloveOption = False,
     rate: RateOption = 1.0,
     unfinished: UnfinishedOption = False,
-    namespace: Annotated[str, typer.Option(help="Of the spacecraft, out of several.")] = "",
+    namespace: Annotated[
+        str, typer.Option(metavar="NAME", help="Of the spacecraft, out of several.")
+    ] = "",
     domain_id: DomainOption = None,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Do not open the browser.")

@@ -106,6 +106,7 @@ def make_plan(
         The folder cannot be used, or there is no plant to fly.
     """
     path = find(path)
+    _require_utf8(path, out)
     scenario = load(path, overrides, namespace)
     nodes = tuple(n for n in scenario.launcher.nodes if record or n != RECORDER)
     if PLANT not in nodes:
@@ -159,6 +160,18 @@ def _is_read_as(scenario: Scenario, path: Path) -> bool:
         wanted[name]["autostart"] = False
     wanted[RECORDER]["storage_folder"] = str(bag)
     return {name: given.get(name, {}) for name in SECTIONS} == wanted
+
+
+def _require_utf8(*paths: Path | None) -> None:
+    """Refuse names that ROS 2 cannot take as an argument of a node."""
+    for path in filter(None, paths):
+        try:
+            str(path.absolute()).encode()
+        except UnicodeEncodeError as error:
+            raise LaunchRefused(
+                f"{path}: received a name with the byte {str(error.object)[error.start]!a}; "
+                "required UTF-8, which ROS 2 needs; rename it"
+            ) from None
 
 
 def _make_folder(scenario: Path, out: Path | None) -> Path:

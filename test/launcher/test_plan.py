@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -59,3 +60,12 @@ def test_refusals(tmp_path: Path) -> None:
         make_plan(CASE1, out=Path("full"))
     with pytest.raises(LaunchRefused, match=r"Not a directory.*required"):
         make_plan(CASE1, out=Path("full/file/x"))
+
+
+def test_a_name_that_ros_cannot_take_is_refused(tmp_path: Path) -> None:
+    latin = os.fsdecode(b"caf\xe9")
+    with pytest.raises(LaunchRefused, match=r"required UTF-8, which ROS 2 needs; rename it"):
+        make_plan(tmp_path / f"{latin}.yaml")
+    with pytest.raises(LaunchRefused, match="required UTF-8"):
+        make_plan(CASE1, out=tmp_path / latin)
+    assert not any(tmp_path.iterdir())
