@@ -67,15 +67,21 @@ def checked_streams() -> Iterator[None]:
 
 
 class _Output(io.FileIO):
-    """A file descriptor whose failures are `OutputFailed`."""
+    """A file descriptor whose first failure is an `OutputFailed`; the rest is dropped."""
+
+    _failed = False
 
     def write(self, data: Any) -> int:
         """Write ``data``; return the number of bytes written."""
+        if self._failed:  # what is left in the buffer when it is closed
+            return len(data)
         try:
             return super().write(data)
         except BrokenPipeError as error:
+            self._failed = True
             raise PipeClosed(error.strerror) from None
         except OSError as error:
+            self._failed = True
             raise OutputFailed(error.strerror) from None
 
 
