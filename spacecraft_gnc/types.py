@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.arrays import as_finite, as_float, listed
 from spacecraft_gnc.errors import ParameterError, ShapeError
 
 Array: TypeAlias = NDArray[np.float64]
@@ -88,7 +88,7 @@ def as_vector3(name: str, value: ArrayLike) -> Vector3:
     ParameterError
         If a number is NaN or infinite.
     """
-    return _checked(name, value, (3,), "3 numbers")
+    return as_finite(name, value, (3,), "3 numbers")
 
 
 def as_matrix3(name: str, value: ArrayLike) -> Matrix3:
@@ -101,12 +101,12 @@ def as_matrix3(name: str, value: ArrayLike) -> Matrix3:
     ParameterError
         If a number is NaN or infinite.
     """
-    array = _as_float(name, value, "a 3x3 matrix, 9 numbers row-major, or one number")
+    array = as_float(name, value, "a 3x3 matrix, 9 numbers row-major, or one number")
     if array.ndim == 0:
         array = array * np.eye(3)
     if array.shape == (9,):
         array = array.reshape(3, 3)
-    return _checked(name, array, (3, 3), "a 3x3 matrix, 9 numbers row-major, or one number")
+    return as_finite(name, array, (3, 3), "a 3x3 matrix, 9 numbers row-major, or one number")
 
 
 def as_rotation(name: str, value: ArrayLike) -> Matrix3:
@@ -159,12 +159,12 @@ def as_inertia(name: str, value: ArrayLike) -> Matrix3:
     moments = np.linalg.eigvalsh(inertia)
     if moments[0] <= 0.0:
         raise ParameterError(
-            f"{name}: received principal moments {_listed(moments)}; required a positive definite "
+            f"{name}: received principal moments {listed(moments)}; required a positive definite "
             "matrix; check the signs and the row order"
         )
     if moments[2] >= moments[0] + moments[1]:
         raise ParameterError(
-            f"{name}: received principal moments {_listed(moments)}; required each smaller than "
+            f"{name}: received principal moments {listed(moments)}; required each smaller than "
             "the sum of the other two (triangle inequality); check the largest one"
         )
     return inertia
@@ -201,13 +201,13 @@ def as_actuators(value: ArrayLike | None) -> Array:
     """
     if value is None:
         return read_only(np.eye(3))
-    array = _as_float("actuators", value, "a 3 x m matrix")
+    array = as_float("actuators", value, "a 3 x m matrix")
     if array.ndim != 2 or array.shape[0] != 3 or array.shape[1] < 1:
         raise ShapeError(
             f"actuators: received an array of shape {array.shape}; required (3, m), one column of "
             "torque for each actuator; check the row order"
         )
-    matrix = _checked("actuators", array, array.shape, "a 3 x m matrix")
+    matrix = as_finite("actuators", array, array.shape, "a 3 x m matrix")
     for i in np.flatnonzero(np.abs(matrix).max(axis=0) == 0.0):
         raise ParameterError(
             f"actuators: received a column {i} of zeros; required a torque from each actuator; "
@@ -228,50 +228,13 @@ def unit_vector(name: str, value: ArrayLike) -> Vector3:
     length = float(np.linalg.norm(vector))
     if length < 1e-12:
         raise ParameterError(
-            f"{name}: received {_listed(vector)}; required a direction of non-zero length; give "
+            f"{name}: received {listed(vector)}; required a direction of non-zero length; give "
             "the axis, for example [1.0, 0.0, 0.0]"
         )
     return read_only(vector / length)
-
-
-def require_positive(name: str, value: float) -> float:
-    """Return ``value`` as a float; raise ParameterError if it is not positive and finite."""
-    if not (isinstance(value, (int, float)) and 0.0 < value < math.inf):
-        raise ParameterError(
-            f"{name}: received {value!r}; required a positive finite number; give for example 1.0"
-        )
-    return float(value)
 
 
 def read_only(array: Array) -> Array:
     """Mark ``array`` read-only and return it."""
     array.setflags(write=False)
     return array
-
-
-def _listed(values: NDArray[np.floating[Any]]) -> str:
-    return "[" + ", ".join(f"{value:.6g}" for value in values) + "]"
-
-
-def _as_float(name: str, value: ArrayLike, required: str) -> Array:
-    try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise ShapeError(
-            f"{name}: received {value!r}; required {required}; give plain numbers"
-        ) from None
-
-
-def _checked(name: str, value: ArrayLike, shape: tuple[int, ...], required: str) -> Array:
-    array = _as_float(name, value, required)
-    if array.shape != shape:
-        raise ShapeError(
-            f"{name}: received an array of shape {array.shape}; required {required}; "
-            "check the number of entries"
-        )
-    if not np.isfinite(array).all():
-        raise ParameterError(
-            f"{name}: received {_listed(array.ravel())}; required finite numbers; "
-            "remove NaN and infinity"
-        )
-    return read_only(np.ascontiguousarray(array))

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent / PACKAGE
 FILES = sorted(ROOT.rglob("*.py"))
 
 LAYERS = (
-    {"__init__", "errors", "extras"},
+    {"__init__", "errors", "extras", "arguments", "arrays"},
     {"types", "_kernels"},
     {"lie"},
     {"dynamics"},

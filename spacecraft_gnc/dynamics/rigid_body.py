@@ -17,6 +17,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_count, require_positive
+from spacecraft_gnc.arrays import FLOAT64, as_rows, as_shaped
 from spacecraft_gnc.dynamics._lgvi_kernels import advance, propagate, solvable
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import (
@@ -28,7 +30,6 @@ from spacecraft_gnc.types import (
     as_rotation,
     as_vector3,
     read_only,
-    require_positive,
 )
 
 
@@ -72,8 +73,8 @@ class RigidBody:
         (h hat(Pi))^2 + 4 Jd^2 must be positive semi-definite; for a sphere this means less than a
         quarter turn in one step.
         """
-        x, y, z = momentum
-        return bool(solvable(self.packed, self.time_step, (float(x), float(y), float(z))))
+        x, y, z = as_shaped("momentum", momentum, (3,)).tolist()
+        return bool(solvable(self.packed, self.time_step, (x, y, z)))
 
     def require_solvable(self, name: str, momentum: Vector3) -> None:
         """Raise ParameterError, with the largest time step that works, if no step exists."""
@@ -88,6 +89,7 @@ class RigidBody:
 
     def largest_time_step(self, momentum: Vector3) -> float:
         """Return the largest time step [s] for which a step from ``momentum`` (3,) exists."""
+        momentum = as_vector3("momentum", momentum)
         nonstandard = self.packed[18:27].reshape(3, 3)
         inverse = np.linalg.inv(nonstandard)
         p_hat = np.array(
@@ -125,13 +127,25 @@ class RigidBody:
         Raises
         ------
         ParameterError
-            If a step does not exist (Kalabic (3)).
+            If a step does not exist (Kalabic (3)), or an argument is refused.
 
         Notes
         -----
-        Hot path: the arguments are not checked beyond solvability; see `simulate` for a checked
-        entry. The attitude gets one Newton-Schulz step, so that R^T R = I holds to rounding.
+        Hot path: shapes and types are checked, and that a step exists, but not that the attitude is
+        a rotation; `simulate` checks that too. The attitude gets one Newton-Schulz step, so that
+        R^T R = I holds to rounding.
         """
+        try:
+            plain = attitude.shape == (3, 3) and momentum.shape == torque.shape == (3,)
+            plain = plain and attitude.dtype is momentum.dtype is torque.dtype is FLOAT64
+        except AttributeError:  # a list, say
+            plain = False
+        if not plain or type(n_steps) is not int or n_steps < 1:
+            attitude, n_steps = (
+                as_shaped("attitude", attitude, (3, 3)),
+                as_count("n_steps", n_steps),
+            )
+            momentum, torque = as_vector3("momentum", momentum), as_vector3("torque", torque)
         state = np.empty((5, 3))  # one array of one type: one compiled kernel for every caller
         state[:3], state[3], state[4] = attitude, momentum, torque
         if advance(self.packed, self.time_step, state, n_steps) != n_steps:
@@ -169,13 +183,13 @@ class RigidBody:
         ShapeError, ParameterError
             If an argument is refused, or a step does not exist (Kalabic (3)).
         """
-        u = np.atleast_2d(np.array(torques, dtype=np.float64, order="C"))
-        n = len(u) if n_steps is None else int(n_steps)
+        u = as_rows("torques", torques, 3)
+        n = len(u) if n_steps is None else as_count("n_steps", n_steps)
         attitudes = np.empty((n + 1, 3, 3))
         momenta = np.empty((n + 1, 3))
         attitudes[0] = as_rotation("attitude", attitude)
         momenta[0] = as_vector3("momentum", momentum)
-        if u.shape[1] != 3 or len(u) not in (1, n) or not np.isfinite(u).all():
+        if len(u) not in (1, n) or not np.isfinite(u).all():
             raise ParameterError(
                 f"torques: received an array of shape {u.shape}; required ({n}, 3) or (3,) finite "
                 "numbers [N m]; give one torque for each step"
@@ -188,11 +202,12 @@ class RigidBody:
 
     def kinetic_energy(self, momentum: Vector3) -> float:
         """Return Pi . J^-1 Pi / 2 [J] of ``momentum`` (3,), body frame."""
-        return 0.5 * float(np.dot(momentum, self.angular_velocity(momentum)))
+        rate = self.angular_velocity(momentum)
+        return 0.5 * float(np.dot(momentum, rate))
 
     def angular_velocity(self, momentum: Vector3) -> Vector3:
         """Return the body rate J^-1 Pi (3,) [rad/s] of ``momentum`` (3,), body frame."""
-        return np.asarray(self.packed[9:18].reshape(3, 3) @ momentum)
+        return np.asarray(self.packed[9:18].reshape(3, 3) @ as_shaped("momentum", momentum, (3,)))
 
     def _fail_inside(
         self, attitude: Matrix3, momentum: Vector3, torque: Vector3, n_steps: int

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.arguments import require_members
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors.prediction import UNITS, Planner, Prediction, Predictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
@@ -84,11 +85,13 @@ class AttitudeGovernor:
         alpha_tolerance: float = 1e-6,
         cut_point_shift: float = 0.01,
     ) -> None:
+        self._search = GeodesicSearch(predictor, reference_set, alpha_tolerance, cut_point_shift)
         self.predictor = predictor
         self.reference_set = reference_set
         self.slow = predictor.slow
+        if planner is not None:
+            require_members("planner", planner, ("warm_up", "is_clear", "plan"), "Planner")
         self._planner = planner
-        self._search = GeodesicSearch(predictor, reference_set, alpha_tolerance, cut_point_shift)
         self._initial_target = as_rotation("target", target)
         reference_set.require("target", self._initial_target)
         self._first: Matrix3 | None = None

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.arguments import as_count, as_limit, require_kind, require_members
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors._flight_kernels import (
@@ -35,7 +36,7 @@ from spacecraft_gnc.governors.prediction import Prediction
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
 from spacecraft_gnc.ocp import ShootingSolver
-from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3
+from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3, as_rotation
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.protocols import Controller
@@ -106,13 +107,15 @@ class ControllerLoopPredictor:
         max_momentum: float = 0.0,
         horizon: int = 0,
     ) -> None:
-        if min(max_torque, max_momentum, horizon) < 0.0:
-            raise ParameterError(
-                f"max_torque, max_momentum, horizon: received {max_torque}, {max_momentum}, "
-                f"{horizon}; required at least 0 each; give 0 for no limit"
-            )
-        self._controller, self._body, self._substeps = controller, body, substeps
-        self._set = reference_set
+        max_torque = as_limit("max_torque", max_torque)
+        max_momentum = as_limit("max_momentum", max_momentum)
+        horizon = as_count("horizon", horizon, least=0)
+        target = as_rotation("target", target)
+        members = ("period", "warm_up", "reset", "command")
+        self._controller = require_members("controller", controller, members, "Controller")
+        self._body = require_kind("body", body, RigidBody)
+        self._substeps = as_count("substeps", substeps)
+        self._set = require_kind("reference_set", reference_set, ReferenceSet)
         self._least_reserve = min(MEMORY, 0.5 * reference_set.steady_margin)
         self._names = (*reference_set.names, *CONSTRAINTS)
         step = OneStep(controller, body, substeps, np.asarray(target))

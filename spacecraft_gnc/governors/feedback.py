@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_limit, require_positive
+from spacecraft_gnc.arrays import as_shaped
 from spacecraft_gnc.dynamics.rigid_body import pack_inertia
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors import _feedback_kernels as kernels
@@ -77,17 +79,13 @@ class AttitudeFeedback:
                     f"{name}: received a matrix with eigenvalue {smallest:g}; required a positive "
                     "definite gain, else the loop is not stable; use for example 0.2"
                 )
-        if not 0.0 <= self.max_torque < math.inf:
-            raise ParameterError(
-                f"max_torque: received {self.max_torque!r} N m; required a number >= 0; "
-                "give 0 for no limit"
-            )
+        max_torque = as_limit("max_torque", self.max_torque)
         inertia = as_inertia("inertia", self.inertia)
-        limit = self.max_torque if self.max_torque > 0.0 else math.inf
+        limit = max_torque if max_torque > 0.0 else math.inf
         law = read_only(np.concatenate([attitude.ravel(), momentum.ravel(), [limit]]))
         for name, value in (
             ("attitude_gain", attitude), ("momentum_gain", momentum), ("inertia", inertia),
-            ("law", law), ("body", pack_inertia(inertia)),
+            ("max_torque", max_torque), ("law", law), ("body", pack_inertia(inertia)),
         ):  # fmt: skip
             object.__setattr__(self, name, value)
 
@@ -96,8 +94,8 @@ class AttitudeFeedback:
         cls, inertia: Matrix3, period: float, max_torque: float = 0.0
     ) -> AttitudeFeedback:
         """Return the law with A = J omega^2 / 2, K = 2 omega I and omega = `BANDWIDTH` / period."""
-        bandwidth = BANDWIDTH / period
-        gain = 0.5 * bandwidth**2 * np.asarray(inertia)
+        bandwidth = BANDWIDTH / require_positive("period", period)
+        gain = 0.5 * bandwidth**2 * as_inertia("inertia", inertia)
         return cls(gain, 2.0 * bandwidth, inertia, max_torque)
 
     @classmethod
@@ -150,7 +148,9 @@ class AttitudeFeedback:
 
 def _packed(state: State, reference: Matrix3) -> Array:
     rows = np.empty((7, 3))
-    rows[:3], rows[3], rows[4:] = state.attitude, state.momentum, reference
+    rows[:3] = as_shaped("state.attitude", state.attitude, (3, 3))
+    rows[3] = as_shaped("state.momentum", state.momentum, (3,))
+    rows[4:] = as_shaped("reference", reference, (3, 3))
     return rows
 
 

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.arguments import as_count, as_limit, as_real, require_kind, require_positive
+from spacecraft_gnc.arrays import as_shaped
 from spacecraft_gnc.governors import _prediction_kernels as kernels
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.prediction import Prediction
@@ -82,9 +83,11 @@ class FeedbackPredictor:
         level: float = 0.0,
         horizon: int = 0,
     ) -> None:
-        _require_level(level, feedback.unstable_level)
-        self.feedback = feedback
-        self.reference_set = reference_set
+        self.feedback = require_kind("feedback", feedback, AttitudeFeedback)
+        self.reference_set = require_kind("reference_set", reference_set, ReferenceSet)
+        time_step = require_positive("time_step", time_step)
+        substeps, horizon = as_count("substeps", substeps), as_count("horizon", horizon, least=0)
+        level = _as_level(level, feedback.unstable_level)
         self.loop = Loop(feedback, time_step, substeps)
         self.limits = Limits(
             _limit("max_torque", max_torque),
@@ -154,7 +157,9 @@ class FeedbackPredictor:
             where the tail set is not reached; the margin is then minus the angle left [rad].
         """
         states = self._states
-        states[:3], states[3], states[4:] = state.attitude, state.momentum, reference
+        states[:3] = as_shaped("state.attitude", state.attitude, (3, 3))
+        states[3] = as_shaped("state.momentum", state.momentum, (3,))
+        states[4:] = as_shaped("reference", reference, (3, 3))
         which, step, margin = kernels.predict(*self._problem, states, self.horizon, reserve)
         if which == kernels.NOTHING:
             return Prediction(True, math.inf, "", -1)
@@ -166,17 +171,13 @@ class FeedbackPredictor:
 
 
 def _limit(name: str, value: float) -> float:
-    if not 0.0 <= value < math.inf:
-        raise ParameterError(
-            f"{name}: received {value!r}; required a number >= 0; give 0 for no limit"
-        )
-    return value if value > 0.0 else math.inf
+    return as_limit(name, value) or math.inf
 
 
-def _require_level(level: float, unstable: float) -> None:
-    if not 0.0 <= level < (1.0 - 1e-9) * unstable:  # eigenvalues have rounding
-        raise ParameterError(
-            f"lyapunov_level: received {level!r} J; required less than {unstable:.6g} J, the level "
-            "of the lowest unstable equilibrium, twice the two smallest eigenvalues of the "
-            "attitude gain; give 0 for the default"
-        )
+def _as_level(level: float, unstable: float) -> float:
+    return as_real(
+        "lyapunov_level", level,
+        lambda x: 0.0 <= x < (1.0 - 1e-9) * unstable,  # eigenvalues have rounding
+        f"a number less than {unstable:.6g} [J], the level of the lowest unstable equilibrium, "
+        "twice the two smallest eigenvalues of the attitude gain", "give 0 for the default",
+    )  # fmt: skip

@@ -8,10 +8,12 @@ membership is checked for each reference, and a way round is the business of `pr
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_real, as_tuple, require_members
+from spacecraft_gnc.arrays import as_shaped, as_stack
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors._zone_kernels import ZONE_SIZE, nearest_zone
 from spacecraft_gnc.types import Array, Matrix3, read_only
@@ -19,6 +21,8 @@ from spacecraft_gnc.types import Array, Matrix3, read_only
 if TYPE_CHECKING:
     from spacecraft_gnc.ocp.zones import PointingZone
     from spacecraft_gnc.scenario import Scenario
+
+_OF_A_ZONE: Final = ("body_axis", "inertial_axis", "half_angle", "sign", "margin")
 
 
 class ReferenceSet:
@@ -45,15 +49,16 @@ class ReferenceSet:
         steady_margin: float = math.radians(0.1),
         names: tuple[str, ...] | None = None,
     ) -> None:
-        self.zones = tuple(zones)
-        self.steady_margin = float(steady_margin)
+        self.zones = as_tuple("zones", zones, "PointingZone")
+        for i, zone in enumerate(self.zones):
+            require_members(f"zones[{i}]", zone, _OF_A_ZONE, "PointingZone")
+        self.steady_margin = as_real(
+            "steady_margin", steady_margin, lambda x: 0.0 < x < math.pi,
+            "a number between 0 and pi [rad]: a reference on the border of a zone would leave no "
+            "room for any motion", "give for example 0.002",
+        )  # fmt: skip
         known = [f"zone {i + 1}" for i in range(len(self.zones))]
-        self.names = tuple(known if names is None else names)
-        if not 0.0 < self.steady_margin < math.pi:
-            raise ParameterError(
-                f"steady_margin: received {steady_margin!r} rad; required between 0 and pi; "
-                "a reference on the border of a zone would leave no room for any motion"
-            )
+        self.names = tuple(known) if names is None else as_tuple("names", names, "str")
         if len(self.names) != len(self.zones):
             raise ParameterError(
                 f"names: received {len(self.names)} for {len(self.zones)} zones; required one for "
@@ -75,11 +80,12 @@ class ReferenceSet:
 
         Negative inside a forbidden region; infinite, with an empty name, without zones.
         """
-        angle, i = nearest_zone(self.rows, attitude)
+        angle, i = nearest_zone(self.rows, as_shaped("attitude", attitude, (3, 3)))
         return angle, self.names[i] if i >= 0 else ""
 
     def margins(self, attitudes: Array) -> Array:
         """Return the smallest angle (n,) [rad] to a zone's border at attitudes (n, 3, 3)."""
+        attitudes = as_stack("attitudes", attitudes)
         if not self.zones:
             return np.full(len(attitudes), math.inf)
         return np.asarray(np.min([zone.margin(attitudes) for zone in self.zones], axis=0))

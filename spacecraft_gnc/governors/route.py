@@ -17,7 +17,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.arguments import as_real, require_kind
 from spacecraft_gnc.governors._geodesics import closest_approach, geodesics, spread
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.types import Array, Matrix3, read_only
@@ -55,14 +55,13 @@ class RoutePlanner:
     """
 
     def __init__(self, reference_set: ReferenceSet, clearance: float) -> None:
-        if not reference_set.steady_margin <= clearance < math.pi:
-            raise ParameterError(
-                f"clearance: received {clearance:.6g} rad; required at least the steady margin "
-                f"{reference_set.steady_margin:.6g} rad, and less than half a turn; raise it "
-                "(route_clearance_deg), or lower steady_margin_deg"
-            )
-        self._set = reference_set
-        self._clearance = clearance
+        self._set = require_kind("reference_set", reference_set, ReferenceSet)
+        least = reference_set.steady_margin
+        self._clearance = as_real(
+            "clearance", clearance, lambda x: least <= x < math.pi,
+            f"a number [rad], at least the steady margin {least:.6g}, and less than half a turn",
+            "raise it (route_clearance_deg), or lower steady_margin_deg",
+        )  # fmt: skip
         self._roadmap: tuple[Array, csr_array] | None = None
 
     def is_clear(self, start: Matrix3, end: Matrix3) -> bool:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.arguments import as_real, require_kind, require_members
 from spacecraft_gnc.governors._geodesic_kernels import along
 from spacecraft_gnc.governors.prediction import Prediction, Predictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
@@ -63,18 +63,16 @@ class GeodesicSearch:
         alpha_tolerance: float,
         cut_point_shift: float,
     ) -> None:
-        for name, value in (
-            ("alpha_tolerance", alpha_tolerance),
-            ("cut_point_shift", cut_point_shift),
-        ):
-            if not 0.0 < value < 1.0:
-                raise ParameterError(
-                    f"{name}: received {value!r}; required between 0 and 1; leave it out"
-                )
-        self._predictor = predictor
-        self._set = reference_set
-        self._tolerance = alpha_tolerance
-        self._shift = cut_point_shift
+        self._tolerance, self._shift = (
+            as_real(name, value, lambda x: 0.0 < x < 1.0, "a number in (0, 1)", "leave it out")
+            for name, value in (
+                ("alpha_tolerance", alpha_tolerance),
+                ("cut_point_shift", cut_point_shift),
+            )
+        )
+        members = ("slow", "warm_up", "reset", "predict")
+        self._predictor = require_members("predictor", predictor, members, "Predictor")
+        self._set = require_kind("reference_set", reference_set, ReferenceSet)
         self._axis = np.zeros((1, 3))
 
     def warm_up(self) -> None:

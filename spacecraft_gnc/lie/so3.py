@@ -13,6 +13,8 @@ import math
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_limit
+from spacecraft_gnc.arrays import as_finite, as_shaped, as_stack
 from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.types import ROTATION_TOLERANCE, Array, Matrix3, Vector3
 
@@ -21,13 +23,17 @@ from spacecraft_gnc.types import ROTATION_TOLERANCE, Array, Matrix3, Vector3
 
 def hat(vector: Vector3) -> Matrix3:
     """Return the (3, 3) matrix of the cross product: hat(a) b = a x b."""
+    return _hat(as_shaped("vector", vector, (3,)))
+
+
+def _hat(vector: Vector3) -> Matrix3:
     x, y, z = vector
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def vee(matrix: Matrix3) -> Vector3:
     """Return the vector (3,) whose `hat` is the antisymmetric part (A - A^T)/2 of ``matrix``."""
-    m = np.asarray(matrix)
+    m = as_shaped("matrix", matrix, (3, 3))
     return 0.5 * np.array([m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]])
 
 
@@ -39,9 +45,19 @@ def exp(rotation_vector: Vector3) -> Matrix3:
 
     R = I + 2 w hat(q) + 2 hat(q)^2 with q = sin(|v|/2) v/|v|, w = cos(|v|/2): the half angle keeps
     full precision at every angle.
+
+    Raises
+    ------
+    ShapeError, ParameterError
+        If it is not three finite numbers.
     """
-    vector = np.asarray(rotation_vector, dtype=np.float64)
+    vector = as_shaped("rotation_vector", rotation_vector, (3,))
     half = 0.5 * float(np.linalg.norm(vector))
+    if not math.isfinite(half):
+        raise ParameterError(
+            f"rotation_vector: received {vector.tolist()}; required 3 finite numbers [rad]; remove "
+            "NaN and infinity"
+        )
     q = (0.5 * np.sinc(half / math.pi)) * vector
     return _from_half_angle(q, math.cos(half))
 
@@ -52,25 +68,46 @@ def log(rotation: Matrix3) -> Vector3:
     Notes
     -----
     At exactly pi the axis is defined up to its sign; its largest component is then positive.
+
+    Raises
+    ------
+    ShapeError, ParameterError
+        If it is no (3, 3) array of finite numbers.
     """
     q = to_quaternion_xyzw(rotation)
     sine = float(np.linalg.norm(q[:3]))
     if sine == 0.0:
         return np.zeros(3)
+    if math.isnan(sine):
+        as_finite("rotation", rotation, (3, 3), "a rotation matrix")
     angle = 2.0 * math.atan2(sine, float(q[3]))
     return np.asarray((angle / sine) * q[:3])
 
 
 def angle_between(first: Matrix3, second: Matrix3) -> float:
-    """Return the angle in [0, pi] [rad] of the rotation from ``first`` to ``second``."""
-    relative = np.asarray(first).T @ np.asarray(second)
+    """Return the angle in [0, pi] [rad] of the rotation from ``first`` to ``second``.
+
+    NaN where either is not known. Raises ShapeError if one is no (3, 3) array.
+    """
+    relative = as_shaped("first", first, (3, 3)).T @ as_shaped("second", second, (3, 3))
     sine = float(np.linalg.norm(vee(relative)))
     return math.atan2(sine, 0.5 * (float(np.trace(relative)) - 1.0))
 
 
 def angles_between(first: Array, second: Array) -> Array:
-    """Return `angle_between` for stacks (n, 3, 3) of rotations, as (n,) [rad]."""
-    relative = np.einsum("nji,njk->nik", first, np.broadcast_to(second, first.shape))
+    """Return `angle_between` for stacks (n, 3, 3) of rotations, as (n,) [rad].
+
+    One of them may be one rotation (3, 3), which stands for each. Raises ShapeError for others.
+    """
+    first, second = as_stack("first", first), as_stack("second", second)
+    try:
+        first, second = np.broadcast_arrays(first, second)
+        relative = np.einsum("nji,njk->nik", first, second)
+    except ValueError:
+        raise ShapeError(
+            f"first, second: received arrays of shapes {first.shape} and {second.shape}; required "
+            "(n, 3, 3) for both, or one rotation (3, 3); give as many of each"
+        ) from None
     antisymmetric = 0.5 * (relative - relative.transpose(0, 2, 1))
     sine = np.sqrt(0.5 * np.einsum("nij,nij->n", antisymmetric, antisymmetric))
     return np.asarray(np.arctan2(sine, 0.5 * (np.trace(relative, axis1=1, axis2=2) - 1.0)))
@@ -83,9 +120,10 @@ def to_quaternion_xyzw(rotation: Matrix3) -> Array:
     """Return the unit quaternion (4,) x, y, z, w of ``rotation``, w >= 0.
 
     The largest of the four squared components is found first, so that nothing is divided by a
-    small number (Shepperd's method).
+    small number (Shepperd's method). NaN where the rotation is not known. Raises ShapeError if it
+    is no (3, 3) array.
     """
-    r = np.asarray(rotation)
+    r = as_shaped("rotation", rotation, (3, 3))
     trace = float(r[0, 0] + r[1, 1] + r[2, 2])
     squares = [1.0 + 2.0 * float(r[i, i]) - trace for i in range(3)] + [1.0 + trace]
     largest = int(np.argmax(squares))
@@ -110,11 +148,7 @@ def from_quaternion_xyzw(quaternion: Array) -> Matrix3:
     ShapeError, ParameterError
         If it is not four finite numbers of non-zero norm.
     """
-    q = np.asarray(quaternion, dtype=np.float64)
-    if q.shape != (4,):
-        raise ShapeError(
-            f"quaternion: received an array of shape {q.shape}; required 4 numbers x, y, z, w"
-        )
+    q = as_shaped("quaternion", quaternion, (4,), "give x, y, z, w")
     norm = float(np.linalg.norm(q))
     if not math.isfinite(norm) or norm < 1e-9:
         raise ParameterError(
@@ -127,19 +161,24 @@ def from_quaternion_xyzw(quaternion: Array) -> Matrix3:
 
 def is_rotation(matrix: Matrix3, tolerance: float = ROTATION_TOLERANCE) -> bool:
     """Tell whether ``matrix`` is finite, orthonormal within ``tolerance``, and proper."""
-    m = np.asarray(matrix)
-    if m.shape != (3, 3) or not np.isfinite(m).all():
+    tolerance = as_limit("tolerance", tolerance)
+    try:
+        m = as_finite("matrix", matrix, (3, 3), "a rotation matrix")
+    except (ShapeError, ParameterError):
         return False
     return bool(np.linalg.norm(m.T @ m - np.eye(3)) <= tolerance and np.linalg.det(m) > 0.0)
 
 
 def orthonormalize(matrix: Matrix3) -> Matrix3:
-    """Return the rotation (3, 3) nearest to ``matrix`` in the Frobenius norm."""
-    u, _, vt = np.linalg.svd(matrix)
+    """Return the rotation (3, 3) nearest to ``matrix`` in the Frobenius norm.
+
+    Raises ShapeError or ParameterError if it is no (3, 3) array of finite numbers.
+    """
+    u, _, vt = np.linalg.svd(as_finite("matrix", matrix, (3, 3), "a 3x3 matrix"))
     u[:, -1] *= np.sign(np.linalg.det(u @ vt))
     return np.asarray(u @ vt)
 
 
 def _from_half_angle(q: Vector3, w: float) -> Matrix3:
-    q_hat = hat(q)
+    q_hat = _hat(q)
     return np.asarray(np.eye(3) + 2.0 * w * q_hat + 2.0 * (q_hat @ q_hat))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 
+from spacecraft_gnc.arguments import require_members
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import (
     Command,
@@ -20,6 +22,8 @@ from spacecraft_gnc.loop.protocols import (
 from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.types import Matrix3
 
+_OF_A_CORE: Final = ("warm_up", "reset")
+_OF_A_PLANT: Final = ("period", "n_steps", "state", *_OF_A_CORE, "step")
 Progress = Callable[[int, int], None]
 """Called with (step, n_steps) after every step."""
 
@@ -39,6 +43,12 @@ class ClosedLoop:
     """
 
     def __init__(self, plant: Plant, controller: Controller, governor: Governor) -> None:
+        for name, core, members in (
+            ("plant", plant, _OF_A_PLANT),
+            ("controller", controller, ("period", *_OF_A_CORE, "command")),
+            ("governor", governor, ("target", *_OF_A_CORE, "decide")),
+        ):
+            require_members(name, core, members, name.capitalize())
         if not math.isclose(plant.period, controller.period, rel_tol=1e-12):
             raise ParameterError(
                 f"controller.period: received {controller.period} s; required the plant's control "

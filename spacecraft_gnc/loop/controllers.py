@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from spacecraft_gnc.arguments import require_members
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.ladder import FallbackLadder
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
@@ -92,7 +93,9 @@ class SolverController:
         monitor: StandstillMonitor | None = None,
         continuation: Continuation | None = None,
     ) -> None:
-        self.solver = solver
+        self.solver = require_members(
+            "solver", solver, ("ocp", "solve", "warm_up"), "solver of ocp"
+        )
         self.period = solver.ocp.time_step
         self._monitor = monitor
         self._continuation = continuation

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacecraft_gnc.arguments import require_kind, require_positive
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
 from spacecraft_gnc.loop.traits import FEEDBACK
@@ -34,8 +35,8 @@ class FeedbackController:
     traits = FEEDBACK
 
     def __init__(self, feedback: AttitudeFeedback, period: float) -> None:
-        self.feedback = feedback
-        self.period = period
+        self.feedback = require_kind("feedback", feedback, AttitudeFeedback)
+        self.period = require_positive("period", period)
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> FeedbackController:

@@ -69,6 +69,8 @@ class FallbackLadder:
         """
         if not np.array_equal(reference.attitude, plan.reference):
             return None
+        if not np.isfinite(state.attitude).all():
+            return None
         if self._neighborhood is None:
             self._neighborhood = linearize(plan)
         off = deviation(state.attitude, state.momentum, plan.attitudes[ahead], plan.momenta[ahead])

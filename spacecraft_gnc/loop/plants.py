@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import Invariants, State
 from spacecraft_gnc.types import (
     ArrayLike,
@@ -52,16 +52,12 @@ class RigidBodyPlant:
         n_steps: int,
         substeps: int = 1,
     ) -> None:
-        if n_steps < 1 or substeps < 1:
-            raise ParameterError(
-                f"n_steps, substeps: received {n_steps}, {substeps}; required at least 1 each; "
-                "lengthen the duration to one control period or more"
-            )
-        self.body = body
+        remedy = "lengthen the duration to one control period or more"
+        self.body = require_kind("body", body, RigidBody)
         self.inertia = body.inertia
-        self.substeps = substeps
-        self.period = substeps * body.time_step
-        self.n_steps = n_steps
+        self.substeps = as_count("substeps", substeps)
+        self.period = self.substeps * body.time_step
+        self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
         initial = State(0, as_rotation("attitude", attitude), as_vector3("momentum", momentum))
         body.require_solvable("momentum", initial.momentum)
         self._initial = initial

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import zipfile
 import zlib
 from dataclasses import dataclass, fields
@@ -11,6 +12,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc import lie
+from spacecraft_gnc.arguments import require_path
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.types import Array
 
@@ -69,6 +72,20 @@ class Trajectory:
     final_momentum: Array
     final_reference: Array
 
+    def __repr__(self) -> str:
+        """Return the flight in one line."""
+        if not self.n_steps:
+            return "Trajectory(0 steps)"
+        first = math.degrees(lie.angle_between(self.reference[0], self.attitude[0]))
+        last = math.degrees(lie.angle_between(self.final_reference, self.final_attitude))
+        largest = float(np.linalg.norm(self.torque, axis=1).max())
+        solves, solved = np.count_nonzero(self.status >= 0), np.count_nonzero(self.status == 0)
+        return (
+            f"Trajectory({self.n_steps} steps of {self.period:g} s, {self.n_steps * self.period:g} "
+            f"s in all, {first:.4g} to {last:.4g} deg from the reference, largest torque "
+            f"{largest:.4g} N m, {solved} of {solves} solves converged)"
+        )
+
     @property
     def n_steps(self) -> int:
         """Number of control steps."""
@@ -89,7 +106,7 @@ class Trajectory:
         RecordingError
             If the file cannot be written.
         """
-        target = Path(path)
+        target = Path(require_path("path", path))
         arrays = {item.name: getattr(self, item.name) for item in fields(self)}
         if scenario:
             arrays[_SCENARIO] = np.array(scenario)
@@ -116,7 +133,7 @@ class Trajectory:
         RecordingError
             If it is missing, damaged or not such a file.
         """
-        values = _read(path, *(item.name for item in fields(cls)))
+        values = _read(require_path("path", path), *(item.name for item in fields(cls)))
         values["period"] = float(values["period"])
         return cls(**values)
 

@@ -11,6 +11,7 @@ from time import perf_counter
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp import _shooting_kernels
 from spacecraft_gnc.ocp._stage_kernels import Z_AT, horizon_cost, work_size
@@ -50,9 +51,12 @@ class SlsqpSolver:
     def __init__(
         self, ocp: AttitudeOcp, tolerance: float = 1e-13, max_iterations: int = 100
     ) -> None:
-        self.ocp = ocp
+        self.ocp = require_kind("ocp", ocp, AttitudeOcp)
         self._plain = replace(ocp, max_torque=0.0, zones=())
-        self._options = {"maxiter": max_iterations, "ftol": tolerance}
+        self._options = {
+            "maxiter": as_count("max_iterations", max_iterations, remedy="give 100"),
+            "ftol": require_positive("tolerance", tolerance),
+        }
 
     def warm_up(self) -> None:
         """Compile or load the kernels, and the minimiser."""
@@ -79,6 +83,7 @@ class SlsqpSolver:
         target = as_rotation("reference", np.eye(3) if reference is None else reference)
         first = np.zeros(shape)
         if warm_start is not None:
+            warm_start = ocp.checked_warm_start(warm_start)
             turned = (warm_start[:, 3:] @ ocp.torque_map @ ocp.control_axes) / ocp.control_weights
             first = turned @ ocp.control_axes.T
 
@@ -158,8 +163,8 @@ class FsolveSolver:
     formulation = "fsolve"
 
     def __init__(self, ocp: AttitudeOcp, tolerance: float = 1e-10) -> None:
-        self.ocp = ocp
-        self._tolerance = tolerance
+        self.ocp = require_kind("ocp", ocp, AttitudeOcp)
+        self._tolerance = require_positive("tolerance", tolerance)
         n = ocp.horizon
         self._horizon = (
             np.empty((n + 1, 3, 3)), np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 6)),
@@ -193,7 +198,7 @@ class FsolveSolver:
             status, E1, E2 = _shooting_kernels.propagate_horizon(*problem, *self._horizon)
             return np.array([*E1, *E2]) if status == 0 else np.full(6, FAR)
 
-        first = np.zeros(6) if warm_start is None else warm_start[0]
+        first = np.zeros(6) if warm_start is None else ocp.checked_warm_start(warm_start)[0]
         found = root(residual, first, method="hybr", options={"xtol": 1e-14})
         lam[0] = found.x
         code, E1, E2 = _shooting_kernels.propagate_horizon(*problem, *self._horizon)

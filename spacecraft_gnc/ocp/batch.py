@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.arrays import as_rows, as_shaped, as_stack
 from spacecraft_gnc.errors import ShapeError
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
@@ -61,12 +62,7 @@ def solve_many(
     n, steps = len(states), solver.ocp.horizon
     R, Pi = np.empty((n, steps + 1, 3, 3)), np.empty((n, steps + 1, 3))
     if warm_starts is not None:  # a copy: one array of one type for the one compiled kernel
-        warm_starts = np.array(warm_starts, dtype=np.float64, order="C")
-        if warm_starts.shape != (n, steps, 6):
-            raise ShapeError(
-                f"warm_starts: received an array of shape {warm_starts.shape}; required "
-                f"({n}, {steps}, 6); stack the multipliers of one state in each row"
-            )
+        warm_starts = np.array(as_shaped("warm_starts", warm_starts, (n, steps, 6)), order="C")
     u, lam = np.empty((n, steps, 3)), np.empty((n, steps + 1, 6))
     margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
     solver.run_batch(states, target, warm_starts, (R, Pi, u, lam, margins), numbers)
@@ -90,7 +86,7 @@ def solve_many(
 
 
 def _states(attitudes: ArrayLike, momenta: ArrayLike) -> Array:
-    R, Pi = np.asarray(attitudes, dtype=np.float64), np.asarray(momenta, dtype=np.float64)
+    R, Pi = as_stack("attitudes", attitudes), as_rows("momenta", momenta, 3)
     n = len(R) if R.ndim == 3 else 0
     if R.shape != (n, 3, 3) or Pi.shape != (n, 3) or n == 0:
         raise ShapeError(

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.arguments import require_kind
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
@@ -31,6 +32,7 @@ class PenaltyContinuation:
     """
 
     def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
+        require_kind("ocp", ocp, AttitudeOcp)
         shares = [1.0]
         while shares[-1] > SMALLEST_SHARE * FACTOR:
             shares.append(shares[-1] / FACTOR)

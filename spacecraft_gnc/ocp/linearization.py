@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.arguments import require_kind
 from spacecraft_gnc.ocp import _stage_kernels, _sweep_kernels
 from spacecraft_gnc.ocp.rollout import track_of
 from spacecraft_gnc.ocp.solution import Solution
@@ -56,6 +57,7 @@ def factorization(solution: Solution) -> Array:
 
 def linearize(solution: Solution) -> Linearization:
     """Return the gains along a converged solution, from one sweep at the solution itself."""
+    require_kind("solution", solution, Solution)
     ocp, n = solution.ocp, len(solution.torques)
     fac = factorization(solution)
 

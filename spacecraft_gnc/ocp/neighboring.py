@@ -21,12 +21,14 @@ from time import perf_counter
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_count, require_kind, require_positive
+from spacecraft_gnc.arrays import FLOAT64
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._neighboring_kernels import LAST, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver, horizon_shapes
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, ArrayLike, require_positive
+from spacecraft_gnc.types import Array, ArrayLike, as_matrix3, as_vector3
 
 FORMULATION = "neighboring_extremal"
 CONVERGED = Status.CONVERGED
@@ -48,11 +50,8 @@ class NeighboringOptions:
     max_age: int = 10
 
     def __post_init__(self) -> None:
-        require_positive("tolerance", self.tolerance)
-        if self.max_age < 1:
-            raise ParameterError(
-                f"max_age: received {self.max_age}; required at least 1 step; give 10"
-            )
+        object.__setattr__(self, "tolerance", require_positive("tolerance", self.tolerance))
+        object.__setattr__(self, "max_age", as_count("max_age", self.max_age, remedy="give 10"))
 
 
 class NeighboringExtremal:
@@ -80,7 +79,8 @@ class NeighboringExtremal:
         options: ShootingOptions | None = None,
     ) -> None:
         self.ocp = ocp
-        self.neighboring = neighboring or NeighboringOptions()
+        neighboring = NeighboringOptions() if neighboring is None else neighboring
+        self.neighboring = require_kind("neighboring", neighboring, NeighboringOptions)
         self.solver = ShootingSolver(ocp, options=options)
         if self.solver.formulation != "backward_sweep":
             raise ParameterError(
@@ -92,7 +92,8 @@ class NeighboringExtremal:
         self._shapes, self._n_zones = horizon_shapes(ocp.horizon), len(ocp.zones)
         self._max_age, self._limit = self.neighboring.max_age, ocp.max_torque
         self._work = self.solver.work
-        self._rows = np.empty((11, 3))
+        self._rows = rows = np.empty((11, 3))
+        self._attitude, self._momentum = rows[:3], rows[3]
         self.reset()
 
     def reset(self) -> None:
@@ -121,6 +122,13 @@ class NeighboringExtremal:
         ``residual`` is what it leaves of the first-order conditions; ``min_curvature`` is that of
         the exact solve whose factorisation it uses.
         """
+        try:
+            plain = attitude.shape == (3, 3) and momentum.shape == (3,)  # type: ignore[union-attr]
+            plain = plain and attitude.dtype is momentum.dtype is FLOAT64  # type: ignore[union-attr]
+        except AttributeError:  # a list, say
+            plain = False
+        if not plain:
+            attitude, momentum = as_matrix3("attitude", attitude), as_vector3("momentum", momentum)
         if self._age < self._max_age:
             corrected = self._correct(attitude, momentum, reference)
             if corrected is not None:
@@ -150,10 +158,7 @@ class NeighboringExtremal:
         if reference is not None and np.asarray(reference).tobytes() != self._target_bytes:
             return None
         rows = self._rows
-        try:
-            rows[:3], rows[3] = attitude, momentum
-        except (ValueError, TypeError, IndexError):
-            return None  # the exact solve says what is wrong
+        self._attitude[...], self._momentum[...] = attitude, momentum
         R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
         same, error, norm, cost, largest, off, travel = correct(

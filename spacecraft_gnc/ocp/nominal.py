@@ -15,6 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_count, require_kind
+from spacecraft_gnc.arrays import as_shaped
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._neighboring_kernels import feed_back
 from spacecraft_gnc.ocp.linearization import linearize
@@ -50,10 +52,17 @@ class NominalRun:
     def torque(self, step: int, attitude: Matrix3, momentum: Vector3) -> Vector3:
         """Return the torque (3,) [N m] of a step from a neighbouring state, not yet limited.
 
-        The state lies less than half a turn from the run's.
+        The state lies less than half a turn from the run's. Raises ShapeError or ParameterError if
+        an argument is refused.
         """
+        if as_count("step", step, least=0) >= len(self):
+            raise ParameterError(
+                f"step: received {step}; required less than {len(self)}, the steps of the run; fly "
+                "a longer one"
+            )
         state, torque = np.empty((4, 3)), np.empty(3)
-        state[:3], state[3] = attitude, momentum
+        state[:3] = as_shaped("attitude", attitude, (3, 3))
+        state[3] = as_shaped("momentum", momentum, (3,))
         feed_back(self.attitudes, self.momenta, self.torques, self.gains, step, state, torque)
         return torque
 
@@ -72,6 +81,8 @@ def fly_nominal(
     ParameterError
         If a solve along the run does not converge.
     """
+    require_kind("solver", solver, ShootingSolver)
+    n_steps = as_count("n_steps", n_steps)
     R, Pi = as_rotation("attitude", attitude), as_vector3("momentum", momentum)
     run = NominalRun(
         np.empty((n_steps, 3, 3)), np.empty((n_steps, 3)), np.empty((n_steps, 3)),

@@ -17,20 +17,22 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_count, as_limit, require_kind, require_positive
+from spacecraft_gnc.arrays import as_finite, as_shaped
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp import _data_kernels, _stage_kernels
 from spacecraft_gnc.ocp.rollout import Horizon
-from spacecraft_gnc.ocp.zones import PointingZone
+from spacecraft_gnc.ocp.zones import PointingZone, as_zones
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,
     Matrix3,
     Vector3,
     as_actuators,
+    as_matrix3,
     as_semidefinite,
     read_only,
-    require_positive,
 )
 
 
@@ -110,25 +112,7 @@ class AttitudeOcp:
     """(m, 3) pseudo-inverse of B: the least controls that make a torque."""
 
     def __post_init__(self) -> None:
-        body = RigidBody(np.asarray(self.inertia), self.time_step)
-        if isinstance(self.horizon, bool) or not isinstance(self.horizon, (int, np.integer)):
-            raise ParameterError(
-                f"horizon: received {self.horizon!r}; required a whole number of steps; give 5"
-            )
-        if self.horizon < 1:
-            raise ParameterError(
-                f"horizon: received {self.horizon}; required at least 1 step; give 5"
-            )
-        if not 0.0 <= self.max_torque < math.inf:
-            raise ParameterError(
-                f"max_torque: received {self.max_torque!r} N m; required a number >= 0; "
-                "give 0 for no limit"
-            )
-        if self.max_torque > 0.0:
-            require_positive("torque_penalty", self.torque_penalty)
-        object.__setattr__(self, "body", body)
-        object.__setattr__(self, "inertia", body.inertia)
-        object.__setattr__(self, "zones", tuple(self.zones))
+        self._check()
         object.__setattr__(self, "torque_map", as_actuators(self.actuators))
         allocation = np.asarray(np.linalg.pinv(self.torque_map), dtype=np.float64)
         object.__setattr__(self, "allocation", read_only(allocation))
@@ -137,6 +121,32 @@ class AttitudeOcp:
         object.__setattr__(self, "control_weights", read_only(weights))
         object.__setattr__(self, "data", _pack(self))
         object.__setattr__(self, "zone_rows", _zone_rows(self.zones))
+
+    def _check(self) -> None:
+        """Check the numbers given, and keep them as plain ones."""
+        body = RigidBody(np.asarray(as_matrix3("inertia", self.inertia)), self.time_step)
+        limit = as_limit("max_torque", self.max_torque)
+        weighed = require_positive if limit > 0.0 else as_limit  # without a limit nobody reads it
+        checked: dict[str, object] = {
+            "body": body,
+            "inertia": body.inertia,
+            "time_step": body.time_step,
+            "horizon": as_count("horizon", self.horizon, remedy="give 5"),
+            "weights": require_kind("weights", self.weights, Weights),
+            "max_torque": limit,
+            "torque_penalty": weighed("torque_penalty", self.torque_penalty),
+            "zones": as_zones(self.zones),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        """Return the problem in one line."""
+        limit = f"|u| <= {self.max_torque:g} N m" if self.max_torque > 0.0 else "no torque limit"
+        return (
+            f"{type(self).__name__}({self.horizon} steps of {self.time_step:g} s, "
+            f"{self.n_controls} controls, {limit}, {len(self.zones)} zones)"
+        )
 
     @property
     def n_controls(self) -> int:
@@ -199,22 +209,21 @@ class AttitudeOcp:
 
         What B cannot make is left out; where the controls would exceed the limit, all is scaled.
         """
-        controls = self.allocation @ torque
+        controls = self.allocation @ as_shaped("torque", torque, (3,))
         size = float(np.linalg.norm(controls))
         if 0.0 < self.max_torque < size:
             controls = controls * (self.max_torque / size)
         return np.asarray(self.torque_map @ controls)
 
     def checked_controls(self, controls: ArrayLike) -> Array:
-        """Return ``controls`` as a contiguous (N, m) array; raise ParameterError if it is none."""
-        u = np.array(controls, dtype=np.float64, order="C")
+        """Return ``controls`` as a contiguous (N, m) array; raise a GncError if it is none."""
         shape = (self.horizon, self.n_controls)
-        if u.shape != shape or not np.isfinite(u).all():
-            raise ParameterError(
-                f"controls: received an array of shape {u.shape}; required {shape} finite numbers "
-                "[N m]; give one row of controls for each step of the horizon"
-            )
-        return u
+        return as_finite("controls", controls, shape, f"{shape} numbers [N m], a row for each step")
+
+    def checked_warm_start(self, guess: ArrayLike) -> Array:
+        """Return multipliers as an (N, 6) array; raise a GncError if they are none."""
+        remedy = "pass the warm_start of a solution of the same problem"
+        return as_shaped("warm_start", guess, (self.horizon, 6), remedy)
 
 
 def _half_trace_minus(weight: ArrayLike) -> Matrix3:

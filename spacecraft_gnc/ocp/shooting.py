@@ -32,6 +32,14 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.arguments import (
+    as_count,
+    as_real,
+    require_kind,
+    require_positive,
+    require_word,
+)
+from spacecraft_gnc.arrays import FLOAT64
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._solve_kernels import (
     BAD_REFERENCE,
@@ -43,14 +51,7 @@ from spacecraft_gnc.ocp._solve_kernels import (
 from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import (
-    Array,
-    ArrayLike,
-    Matrix3,
-    as_rotation,
-    as_vector3,
-    require_positive,
-)
+from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_matrix3, as_rotation, as_vector3
 
 STATUSES = tuple(Status)
 VARIANTS = ("exact", "estimated_du", "estimated_u")
@@ -89,24 +90,18 @@ class ShootingOptions:
     damping: float = 0.5
 
     def __post_init__(self) -> None:
-        require_positive("residual_tolerance", self.residual_tolerance)
-        if self.max_iterations < 1:
-            raise ParameterError(
-                f"max_iterations: received {self.max_iterations}; required at least 1; give 50"
-            )
-        _require_word("formulation", self.formulation, FORMULATIONS)
-        _require_word("step_rule", self.step_rule, STEP_RULES)
-        if not 0.0 < self.damping <= 1.0:
-            raise ParameterError(
-                f"damping: received {self.damping!r}; required a step length in (0, 1]; give 0.5"
-            )
-
-
-def _require_word(name: str, word: str, words: tuple[str, ...]) -> None:
-    if word not in words:
-        raise ParameterError(
-            f"{name}: received {word!r}; required one of {', '.join(words)}; choose one"
-        )
+        require_word("formulation", self.formulation, FORMULATIONS)
+        require_word("step_rule", self.step_rule, STEP_RULES)
+        checked = {
+            "residual_tolerance": require_positive("residual_tolerance", self.residual_tolerance),
+            "max_iterations": as_count("max_iterations", self.max_iterations, remedy="give 50"),
+            "damping": as_real(
+                "damping", self.damping, lambda x: 0.0 < x <= 1.0, "a step length in (0, 1]",
+                "give 0.5",
+            ),
+        }  # fmt: skip
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
 
 def horizon_shapes(n: int) -> tuple[tuple[int, ...], ...]:
@@ -145,13 +140,13 @@ class ShootingSolver:
     def __init__(
         self, ocp: AttitudeOcp, variant: str = "exact", options: ShootingOptions | None = None
     ) -> None:
-        _require_word("variant", variant, VARIANTS)
-        self.ocp = ocp
+        require_word("variant", variant, VARIANTS)
+        self.ocp = require_kind("ocp", ocp, AttitudeOcp)
         self.variant = variant
-        self.options = options = options or ShootingOptions()
+        options = ShootingOptions() if options is None else options
+        self.options = require_kind("options", options, ShootingOptions)
         self.formulation = AUTOMATIC if options.formulation == "auto" else options.formulation
         n = ocp.horizon
-        self._n = n
         self._n_zones = len(ocp.zones)
         self._shapes = horizon_shapes(n)
         arena = make_arena(ocp.body.packed, ocp.data, ocp.zone_rows, n)
@@ -164,8 +159,17 @@ class ShootingSolver:
             options.residual_tolerance,
             options.max_iterations,
         )
-        self._inputs = np.empty((7, 3))
+        self._inputs = x = np.empty((7, 3))
+        self._attitude, self._momentum, self._target = x[:3], x[3], x[4:]
         self._cold, self._warm = np.zeros((n, 6)), np.empty((n, 6))
+
+    def __repr__(self) -> str:
+        """Return what is solved, and how, in one line."""
+        o = self.options
+        return (
+            f"ShootingSolver({self.ocp!r}, {self.variant}, {self.formulation}, {o.step_rule}, "
+            f"residual <= {o.residual_tolerance:g} within {o.max_iterations} iterations)"
+        )
 
     def solve(
         self,
@@ -198,23 +202,25 @@ class ShootingSolver:
             If an argument is not a finite state, a rotation, or multipliers of this horizon.
         """
         started = perf_counter()
-        n = self._n
         target = IDENTITY if reference is None else reference
         guess = self._cold
-        x = self._inputs  # one array of one type: one compiled kernel for every caller
         try:
-            x[:3], x[3], x[4:] = attitude, momentum, target
-        except (ValueError, TypeError, IndexError):
-            self._refuse(attitude, momentum, target)
+            plain = attitude.shape == target.shape == (3, 3) and momentum.shape == (3,)  # type: ignore[union-attr]
+            plain = plain and attitude.dtype is momentum.dtype is target.dtype is FLOAT64  # type: ignore[union-attr]
+        except AttributeError:  # a list, say
+            plain = False
+        if not plain:
+            attitude, momentum = as_matrix3("attitude", attitude), as_vector3("momentum", momentum)
+            target = as_matrix3("reference", target)
+        # One array of one type: one compiled kernel for every caller.
+        self._attitude[...], self._momentum[...], self._target[...] = attitude, momentum, target
         if warm_start is not None:
-            if np.shape(warm_start) != (n, 6):
-                self._refuse_warm_start(warm_start)
             guess = self._warm  # a copy, for the same reason
-            guess[:] = warm_start
+            guess[:] = self.ocp.checked_warm_start(warm_start)
         R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
         code, steps, residual, cost, curvature, largest, error, travel = solve(
-            x, guess, R, Pi, u, lam, margins, *self.work, *self.settings
+            self._inputs, guess, R, Pi, u, lam, margins, *self.work, *self.settings
         )
         if code in (BAD_STATE, BAD_REFERENCE):
             self._refuse(attitude, momentum, target)
@@ -230,7 +236,7 @@ class ShootingSolver:
             residual,
             perf_counter() - started,
             limit - largest**0.5 if limit > 0.0 else math.inf,
-            x[4:].copy(),
+            self._target.copy(),
             self.ocp,
             self.formulation,
             curvature,
@@ -297,9 +303,3 @@ class ShootingSolver:
         as_vector3("momentum", momentum)
         as_rotation("reference", reference)
         raise ParameterError("state: received no finite state; required one; check its numbers")
-
-    def _refuse_warm_start(self, guess: ArrayLike) -> NoReturn:
-        raise ParameterError(
-            f"warm_start: received an array of shape {np.shape(guess)}; required ({self._n}, 6) "
-            "multipliers; pass the warm_start of a solution of the same problem"
-        )

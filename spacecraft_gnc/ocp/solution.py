@@ -98,6 +98,15 @@ class Solution(NamedTuple):
     terminal_multiplier: float = 0.0
     """Multiplier nu >= 0 of the terminal set; ``ocp`` then has (1 + nu) F as its terminal cost."""
 
+    def __repr__(self) -> str:
+        """Return how the solve ended, in one line."""
+        error = math.degrees(self.attitude_error)
+        return (
+            f"Solution({self.status.name} after {self.iterations} iterations, residual "
+            f"{self.residual:.2g}, cost {self.cost:.6g}, {error:.4g} deg from the reference, "
+            f"{len(self.torques)} steps, {1e6 * self.solve_time:.3g} us)"
+        )
+
     @property
     def converged(self) -> bool:
         """Whether the first-order conditions hold within the tolerance, at a minimum."""

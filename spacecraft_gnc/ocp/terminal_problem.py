@@ -16,6 +16,8 @@ import math
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_count, as_limit, as_real, require_word
+from spacecraft_gnc.arrays import as_shaped
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp import _data_kernels, _terminal_kernels
 from spacecraft_gnc.ocp.problem import AttitudeOcp, Weights
@@ -85,16 +87,11 @@ class TerminalSetOcp(AttitudeOcp):
     ) -> None:
         weights = Weights(stage_attitude, 0.0, stage_torque, 0.0, 0.0)
         super().__init__(inertia, time_step, horizon, weights, max_torque, zones=zones)
-        if not 0.0 < stage_cost_scale < 1.0:
-            raise ParameterError(
-                f"stage_cost_scale: received {stage_cost_scale!r}; required a number in (0, 1), "
-                "for (30) to hold near the target; give 0.1"
-            )
-        if terminal_set not in TERMINAL_SETS:
-            raise ParameterError(
-                f"terminal_set: received {terminal_set!r}; required one of "
-                f"{', '.join(TERMINAL_SETS)}; choose one"
-            )
+        stage_cost_scale = as_real(
+            "stage_cost_scale", stage_cost_scale, lambda x: 0.0 < x < 1.0,
+            "a number in (0, 1), for (30) to hold near the target", "give 0.1",
+        )  # fmt: skip
+        require_word("terminal_set", terminal_set, TERMINAL_SETS)
         attitude, torque = np.asarray(weights.stage_attitude), np.asarray(weights.stage_torque)
         if float(np.linalg.eigvalsh(attitude)[0]) <= 0.0:
             raise ParameterError(
@@ -103,7 +100,7 @@ class TerminalSetOcp(AttitudeOcp):
             )
         rate = as_semidefinite("weights.stage_rate", stage_rate)
         moments = np.asarray(self.inertia)
-        design = TerminalController.design(moments, time_step, attitude, rate, torque)
+        design = TerminalController.design(moments, self.time_step, attitude, rate, torque)
         self._set(stage_rate=rate, stage_cost_scale=stage_cost_scale, terminal=design)
         self._set(terminal_set=terminal_set)
         self._pack(attitude, rate, torque)
@@ -114,6 +111,7 @@ class TerminalSetOcp(AttitudeOcp):
 
         At the multiplier of an active terminal set, its solution is that of the problem itself.
         """
+        multiplier = as_limit("multiplier", multiplier)
         data = self.data.copy()
         at = _data_kernels.P_LOG
         data[at : at + 36] = (1.0 + multiplier) * self.terminal.riccati.ravel()
@@ -121,11 +119,11 @@ class TerminalSetOcp(AttitudeOcp):
 
     def with_horizon(self, horizon: int) -> TerminalSetOcp:
         """Return this problem over another number of steps; its terminal set is the same."""
-        return self._with(horizon=horizon)
+        return self._with(horizon=as_count("horizon", horizon))
 
     def terminal_state(self, attitudes: Array, momenta: Array, reference: Matrix3) -> Array:
         """Return (6,) (Z, Pi) [rad, N m s] at the end of attitudes (N+1, 3, 3), momenta."""
-        target = tuple(np.asarray(reference).ravel().tolist())
+        target = tuple(as_shaped("reference", reference, (3, 3)).ravel().tolist())
         Z = _terminal_kernels.continuous_log(target, np.ascontiguousarray(attitudes))
         return np.concatenate([Z, momenta[-1]])
 
@@ -140,7 +138,9 @@ class TerminalSetOcp(AttitudeOcp):
         h, n = self.time_step, self.horizon
         rate, scale = np.asarray(self.stage_rate), self.stage_cost_scale
         turn, push = _largest_pair(np.asarray(self.weights.stage_attitude)), _largest_pair(rate)
-        fastest = float(np.linalg.norm(momentum)) + n * h * self.max_torque
+        fastest = (
+            float(np.linalg.norm(as_shaped("momentum", momentum, (3,)))) + n * h * self.max_torque
+        )
         spin = fastest / float(np.linalg.eigvalsh(np.asarray(self.inertia))[0])
         spinning = push * (spin**2 if h * spin < 1.0 else 2.0 / h**2)
         effort = 0.5 * self.max_torque**2 * np.linalg.norm(np.asarray(self.weights.stage_torque), 2)
@@ -148,7 +148,8 @@ class TerminalSetOcp(AttitudeOcp):
 
     def level_of(self, state: Array) -> float:
         """Return |x|_P^2 of x (6,)."""
-        return float(state @ self.terminal.riccati @ state)
+        x = as_shaped("state", state, (6,))
+        return float(x @ self.terminal.riccati @ x)
 
     def _with(self, **values: object) -> TerminalSetOcp:
         other = object.__new__(TerminalSetOcp)

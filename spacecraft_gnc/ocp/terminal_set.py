@@ -18,6 +18,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics._lgvi_kernels import BODY_SIZE
 from spacecraft_gnc.ocp._data_kernels import MU0, P_LOG
 from spacecraft_gnc.ocp.shooting import IDENTITY, ShootingOptions, ShootingSolver
@@ -48,7 +49,7 @@ class TerminalSetSolver:
     """
 
     def __init__(self, ocp: TerminalSetOcp, options: ShootingOptions | None = None) -> None:
-        self.ocp = ocp
+        self.ocp = require_kind("ocp", ocp, TerminalSetOcp)
         self._newton = ShootingSolver(ocp, "exact", options)
         at = BODY_SIZE + P_LOG
         self._weight = self._newton.work[0][at : at + 36]
@@ -122,6 +123,7 @@ class TerminalSetSolver:
         does.
         """
         problem = (attitude, momentum, reference)
+        largest = as_count("largest", largest)
         too_short, n = 0, 1
         while not self._reaches(problem, n):
             if n == largest:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.types import Array, ArrayLike, require_positive, unit_vector
+from spacecraft_gnc.arguments import (
+    as_real,
+    as_tuple,
+    require_kind,
+    require_positive,
+    require_word,
+)
+from spacecraft_gnc.arrays import as_stack
+from spacecraft_gnc.types import Array, ArrayLike, unit_vector
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -39,18 +47,15 @@ class PointingZone:
     penalty: float
 
     def __post_init__(self) -> None:
-        if self.kind not in ("exclusion", "inclusion"):
-            raise ParameterError(
-                f"kind: received {self.kind!r}; required 'exclusion' or 'inclusion'; choose one"
-            )
+        require_word("kind", self.kind, ("exclusion", "inclusion"))
         object.__setattr__(self, "body_axis", unit_vector("body_axis", self.body_axis))
         object.__setattr__(self, "inertial_axis", unit_vector("inertial_axis", self.inertial_axis))
-        if not 0.0 < self.half_angle < math.pi:
-            raise ParameterError(
-                f"half_angle: received {self.half_angle!r} rad; required between 0 and pi; "
-                "convert degrees to radians"
-            )
-        require_positive("penalty", self.penalty)
+        half_angle = as_real(
+            "half_angle", self.half_angle, lambda x: 0.0 < x < math.pi,
+            "a number between 0 and pi [rad]", "convert degrees to radians",
+        )  # fmt: skip
+        object.__setattr__(self, "half_angle", half_angle)
+        object.__setattr__(self, "penalty", require_positive("penalty", self.penalty))
 
     @property
     def sign(self) -> float:
@@ -67,8 +72,14 @@ class PointingZone:
         return np.asarray(self.sign * (math.cos(self.half_angle) - self._cosine(attitudes)))
 
     def _cosine(self, attitudes: Array) -> Array:
-        axes = (self.body_axis, attitudes, self.inertial_axis)
+        axes = (self.body_axis, as_stack("attitudes", attitudes), self.inertial_axis)
         return np.asarray(np.einsum("i,...ji,j->...", *axes))
+
+
+def as_zones(zones: Iterable[PointingZone]) -> tuple[PointingZone, ...]:
+    """Return zones as a tuple; raise ParameterError if one of them is none."""
+    given = as_tuple("zones", zones, "PointingZone")
+    return tuple(require_kind(f"zones[{i}]", zone, PointingZone) for i, zone in enumerate(given))
 
 
 def zones_of(scenario: Scenario) -> tuple[PointingZone, ...]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from spacecraft_gnc.arguments import as_tuple, require_kind, require_path
 from spacecraft_gnc.scenario.checked import Checked, check_values, plain_values
 from spacecraft_gnc.scenario.checks import check_all
 from spacecraft_gnc.scenario.checks_method import unread_by
@@ -57,7 +58,7 @@ def load(path: str | Path, overrides: Overrides = (), namespace: str | None = No
     InvalidScenario
         With every problem of the file and of the overrides at once.
     """
-    file = find(path)
+    file = find(require_path("path", path))
     sections, problems = read(file, tuple(SECTIONS))
     nodes = node_names(namespace_of(sections, str(file)) if namespace is None else namespace)
     given = given_to(sections, nodes, problems)
@@ -81,7 +82,7 @@ def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, d
     InvalidScenario
         If the file cannot be read, or holds keys that ROS 2 could not use.
     """
-    sections = read_files([Path(path)])
+    sections = read_files([Path(require_path("path", path))])
     problems: list[Problem] = []
     nodes = node_names(namespace_of(sections, str(path), namespace))
     given = given_to(sections, nodes, problems)
@@ -111,13 +112,13 @@ def from_sections(
     """
     given: Given = {}
     problems: list[Problem] = []
-    for section, values in sections.items():
+    for section, values in require_kind("sections", sections, Mapping).items():
         if section not in SECTIONS:
             remedy = suggestion(section, tuple(SECTIONS))
             need = f"one of {', '.join(SECTIONS)}"
             problems.append(Problem(source, None, section, "an unknown node", need, remedy))
             continue
-        given[section] = _entries(values, source)
+        given[section] = _entries(require_kind(section, values, Mapping), source)
     return _scenario(given, source, problems)
 
 
@@ -149,7 +150,7 @@ def revise(
     InvalidScenario
         With every problem at once.
     """
-    given = _given_along_a_flight(scenario)
+    given = _given_along_a_flight(require_kind("scenario", scenario, Scenario))
     problems: list[Problem] = []
     laid_over: Given = {_CONTROLLER: {}}
     _apply(overrides, laid_over, problems)
@@ -260,7 +261,8 @@ def _apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
         values = flatten(overrides)
     else:
         values = {}
-        for text in overrides:
+        for i, text in enumerate(as_tuple("overrides", overrides, "NODE.PARAMETER=VALUE")):
+            require_kind(f"overrides[{i}]", text, str)
             values |= _parse_override(text, problems)
     for key, value in values.items():
         if value is None:  # as in `from_sections`: not given

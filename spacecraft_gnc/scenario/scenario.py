@@ -60,6 +60,15 @@ class Scenario:
     values: Mapping[str, Mapping[str, Value]]
     warnings: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """Return what would fly, in one line."""
+        plant, controller = self.plant, self.controller
+        return (
+            f"Scenario({self.path!r}: {plant.vehicle}, {controller.method}, horizon "
+            f"{controller.horizon}, governor {self.governor.governor}, {self.n_steps} steps of "
+            f"{self.period:g} s, {self.n_steps * self.period:g} s in all)"
+        )
+
     @property
     def period(self) -> float:
         """Control period [s]."""

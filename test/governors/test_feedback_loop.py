@@ -129,7 +129,7 @@ def test_a_state_that_is_none_is_not_admissible():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"level": 0.6}, r"lyapunov_level: received 0.6 J; required less than 0.6 J"),
+        ({"level": 0.6}, r"lyapunov_level: received 0.6; required a number less than 0.6 \[J\]"),
         ({"level": -0.1}, r"lyapunov_level: received -0.1"),
         ({"max_torque": -1.0}, "max_torque: received -1.0"),
         ({"max_momentum": math.inf}, "max_momentum: received inf"),

@@ -198,5 +198,5 @@ def test_a_full_torque_weight_is_refused_unless_three_controls_have_it():
 
 
 def test_controls_of_a_wrong_shape_are_refused():
-    with pytest.raises(ParameterError, match=r"controls.*\(5, 4\)"):
+    with pytest.raises(ShapeError, match=r"controls.*\(5, 4\)"):
         problem(PYRAMID).cost(np.zeros((5, 3)), START, MOMENTUM)

@@ -92,7 +92,7 @@ def test_the_rows_of_a_batch_belong_to_it_alone():
     ],
 )
 def test_bad_shapes_are_refused(attitudes, momenta):
-    with pytest.raises(ShapeError, match=r"attitudes, momenta.*\(n, 3, 3\)"):
+    with pytest.raises(ShapeError, match=r"(attitudes|momenta): .*required \(|attitudes, momenta"):
         ShootingSolver(AttitudeOcp(INERTIA, 0.4, 4)).solve_batch(attitudes, momenta)
 
 

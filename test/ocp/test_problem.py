@@ -84,7 +84,7 @@ def test_zone_margins_are_angles_to_the_cone():
 
 def test_torques_of_a_wrong_shape_are_refused():
     ocp = AttitudeOcp(INERTIA, 0.4, 5)
-    with pytest.raises(ParameterError, match=r"controls.*\(5, 3\)"):
+    with pytest.raises(ShapeError, match=r"controls.*\(5, 3\)"):
         ocp.cost(np.zeros((4, 3)), np.eye(3), np.zeros(3))
 
 

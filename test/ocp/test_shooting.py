@@ -216,8 +216,8 @@ def test_failures_are_statuses_not_exceptions(case_1):
         ((np.eye(4), np.zeros(3)), ShapeError, "attitude"),
         ((np.eye(3), np.zeros(3), np.diag([1.0, 1.0, -1.0])), ParameterError, "reference"),
         ((np.eye(3), np.zeros(3), np.eye(2)), ShapeError, "reference"),
-        ((np.eye(3), np.zeros(3), None, np.zeros(5)), ParameterError, "warm_start"),
-        ((np.eye(3), np.zeros(3), None, np.zeros(6)), ParameterError, r"warm_start.*\(5, 6\)"),
+        ((np.eye(3), np.zeros(3), None, np.zeros(5)), ShapeError, "warm_start"),
+        ((np.eye(3), np.zeros(3), None, np.zeros(6)), ShapeError, r"warm_start.*\(5, 6\)"),
     ],
 )
 def test_wrong_inputs_raise_and_name_the_argument(case_1, arguments, error, words):
