@@ -1,4 +1,4 @@
-"""The one way kernels are compiled.
+"""The one way kernels are compiled, and the one line that says so where it takes long.
 
 ``cache``: compiled once, at set-up. ``error_model="numpy"``: a division by zero gives infinity or
 NaN, which the solvers report as a status, instead of an exception in the loop. No fast-math: the
@@ -8,6 +8,58 @@ same numbers interpreted (NUMBA_DISABLE_JIT=1) and on every machine with the sam
 
 from __future__ import annotations
 
+import os
+import sys
+import time
+from typing import Any, Final
+
 from numba import njit
+from numba.core import event
+
+from spacecraft_gnc import SILENT_COMPILER
+
+_PACKAGE: Final = __name__.partition(".")[0]
+_PATIENCE: Final = 1.0  # [s] of compiling; a single kernel for a new type takes less
 
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+
+
+class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types
+    """Tells once, on stderr, that kernels of this package are being compiled, once it lasts.
+
+    Numba tells of every kernel that it compiles; one out of the cache is not among them. Kernels
+    call kernels, so that a cold cache is a long chain of such events.
+    """
+
+    def __init__(self) -> None:
+        self._depth = 0
+        self._begun = 0.0
+        self._told = False
+
+    def on_start(self, event: Any) -> None:
+        """Note that a kernel begins to be compiled; tell it where that lasts already."""
+        if not _is_ours(event):
+            return
+        if self._depth == 0:
+            self._begun = time.monotonic()
+        self._depth += 1
+        if not self._told and time.monotonic() - self._begun > _PATIENCE:
+            self._told = True
+            if os.environ.get(SILENT_COMPILER) != "1" and sys.stderr is not None:
+                print(
+                    f"{_PACKAGE}: compiling kernels for the first time (a minute or more); "
+                    "`gnc warmup` does it ahead",
+                    file=sys.stderr,
+                    flush=True,
+                )
+
+    def on_end(self, event: Any) -> None:
+        """Note that a kernel has been compiled."""
+        self._depth -= _is_ours(event)
+
+
+def _is_ours(event: Any) -> bool:
+    return bool(event.data["dispatcher"].py_func.__module__.startswith(f"{_PACKAGE}."))
+
+
+event.register("numba:compile", _Notice())

@@ -7,13 +7,14 @@ ROS or numba costs the others nothing.
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 from collections.abc import Sequence
 from typing import Annotated, Any, Final, NamedTuple
 
 import typer
 
-from spacecraft_gnc import __version__
+from spacecraft_gnc import SILENT_COMPILER, __version__
 from spacecraft_gnc.cli._common import print_error
 from spacecraft_gnc.cli._completion import told_completion
 from spacecraft_gnc.cli._help import CONTEXT, App, Command, Group, UsageError
@@ -126,9 +127,11 @@ def main(argv: Sequence[str] | None = None) -> None:
 
 def _run(argv: Sequence[str] | None) -> int:
     """Run ``gnc``, print what the user can mend, and return the exit code."""
+    arguments = sys.argv[1:] if argv is None else list(argv)
+    if arguments[:1] == ["warmup"] or {"-q", "--quiet"} & set(arguments):
+        os.environ[SILENT_COMPILER] = "1"  # for the nodes as well
     try:
         with explained_imports():
-            arguments = None if argv is None else list(argv)
             return int(app(args=arguments, prog_name="gnc", standalone_mode=False) or 0)
     except OutputFailed:
         raise

@@ -83,7 +83,9 @@ class RunInfo:
         return lines
 
 
-def parse_scenario(text: str, source: Path, namespace: str) -> tuple[Scenario | None, str]:
+def parse_scenario(
+    text: str, source: Path, namespace: str | None = None
+) -> tuple[Scenario | None, str]:
     """Return the scenario of a namespace in a text and, if it is refused, the first reason."""
     if not text:
         return None, ""

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from spacecraft_gnc import __version__
+from spacecraft_gnc import SILENT_COMPILER, __version__
 from spacecraft_gnc.cli import main as module
 from spacecraft_gnc.cli.main import COMMANDS, main
 
@@ -207,3 +207,14 @@ def test_help_imports_nothing_heavy() -> None:
     )  # fmt: skip
     assert result.returncode == 0, result.stderr
     assert result.stderr == "[]\n"
+
+
+@pytest.mark.parametrize("argv", [("warmup", "--nope"), ("check", "nowhere.yaml", "-q")])
+def test_nothing_is_said_of_kernels_that_are_compiled_by_intention_or_in_quiet(
+    argv: tuple[str, ...], monkeypatch, capsys
+) -> None:
+    monkeypatch.setenv(SILENT_COMPILER, "0")
+    assert run(capsys, "check", "nowhere.yaml")[0] == 2
+    assert os.environ[SILENT_COMPILER] == "0"
+    assert run(capsys, *argv)[0] == 2
+    assert os.environ[SILENT_COMPILER] == "1"
