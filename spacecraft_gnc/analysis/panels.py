@@ -217,10 +217,7 @@ def attitude_sphere(
     """
     view = view or sphere.View()
     sphere.draw_sphere(axes, view)
-    for zone in zones:
-        axis = zone.inertial_axis / np.linalg.norm(zone.inertial_axis)
-        half_angle = math.radians(zone.half_angle_deg)
-        sphere.draw_cap(axes, view, axis, half_angle, color=style.ZONE_COLOURS[zone.kind])
+    draw_zones(axes, view, zones)
     attitudes = series.attitudes(trajectory)
     known = attitudes[np.isfinite(attitudes).all(axis=(1, 2))]
     for i, color in enumerate(style.AXIS_COLOURS):
@@ -229,6 +226,14 @@ def attitude_sphere(
         sphere.draw_arrow(axes, view, known[-1, :, i], color=color, dashed=False)
     axes.set_title("Body axes on the unit sphere, inertial frame")
     _sphere_legend(axes, zones)
+
+
+def draw_zones(axes: Axes, view: sphere.View, zones: tuple[ZoneParameters, ...]) -> None:
+    """Draw the cones of pointing zones on the sphere."""
+    for zone in zones:
+        axis = zone.inertial_axis / np.linalg.norm(zone.inertial_axis)
+        half_angle = math.radians(zone.half_angle_deg)
+        sphere.draw_cap(axes, view, axis, half_angle, color=style.ZONE_COLOURS[zone.kind])
 
 
 def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:

@@ -105,7 +105,7 @@ def require_folder(out: Path | None) -> None:
     )
 
 
-def require_writable(out: Path, suffix: str) -> None:
+def require_writable(out: Path, suffix: str, option: str = "--out") -> None:
     """Refuse an output file that could not be written, before anything is computed.
 
     Raises
@@ -126,8 +126,8 @@ def require_writable(out: Path, suffix: str) -> None:
     else:
         return
     raise RecordingError(
-        f"--out: received {str(out)!r}, {problem}; required a {suffix} file in a writable folder; "
-        f"{remedy}"
+        f"{option}: received {str(out)!r}, {problem}; required a {suffix} file in a writable "
+        f"folder; {remedy}"
     )
 
 

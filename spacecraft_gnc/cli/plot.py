@@ -19,12 +19,14 @@ from spacecraft_gnc.cli._common import (
     known_scenario,
     print_json,
     require_folder,
+    require_writable,
 )
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.figures import Maker
+    from spacecraft_gnc.cli._progress import Progress
     from spacecraft_gnc.recording.reader import Flight
     from spacecraft_gnc.scenario import Scenario
 
@@ -94,6 +96,16 @@ TitleOption = Annotated[
     ),
 ]
 
+AnimateOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--animate",
+        metavar="FILE.gif",
+        help="Write a moving picture instead: spacecraft, zones, error and torque, the runs side "
+        "by side.",
+    ),
+]
+
 
 def plot(
     sources: SourcesArgument,
@@ -103,13 +115,13 @@ def plot(
     scenario: ScenarioOption = None,
     error_scale: ScaleOption = ErrorScale.LOG,
     title: TitleOption = None,
+    animate: AnimateOption = None,
     namespace: NamespaceOption = None,
     unfinished: UnfinishedOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Draw the figures of a flight for print, or of several flights over each other."""
-    from spacecraft_gnc.analysis.figures import save_figures
     from spacecraft_gnc.analysis.metrics import summarize
     from spacecraft_gnc.analysis.run_names import run_names
     from spacecraft_gnc.recording.reader import load_run
@@ -117,6 +129,9 @@ def plot(
 
     given = given_scenario(scenario)
     require_folder(out)
+    if animate is not None:
+        require_writable(animate, ".gif", "--animate")
+        _require_alone(out, only)
     with show_progress("reading", silent=quiet) as progress:
         flights = [
             load_run(path, namespace=namespace, allow_unfinished=unfinished) for path in sources
@@ -126,14 +141,12 @@ def plot(
             name: _Run(flight, scenario)
             for name, flight, scenario in zip(run_names(sources), flights, known, strict=True)
         }
-        makers = _makers(runs, title, error_scale.value, unfinished)
-        chosen = _chosen(makers, only)
-        folder = out if out is not None else Path(f"{'-'.join(runs)}-figures".replace("/", "_"))
-        kinds = [item.value for item in dict.fromkeys(formats)]
-        files = []
-        for i, name in enumerate(chosen):
-            progress(i, len(chosen), f"drawing {name}")
-            files += save_figures([(name, makers[name]())], folder, kinds)
+        if animate is not None:
+            files = _animated(runs, animate, title, progress)
+        else:
+            makers = _makers(runs, title, error_scale.value, unfinished)
+            folder = out if out is not None else Path(f"{'-'.join(runs)}-figures".replace("/", "_"))
+            files = _drawn(makers, _chosen(makers, only), folder, formats, progress)
     for run in runs.values():
         for warning in run.flight.info.warnings():
             print(f"warning: {warning}", file=sys.stderr)
@@ -158,6 +171,46 @@ class _Run(NamedTuple):
 
     flight: Flight
     scenario: Scenario | None
+
+
+def _require_alone(out: Path | None, only: list[str] | None) -> None:
+    """Refuse options of the figures beside ``--animate``."""
+    for name, value in {"--out": out, "--only": only}.items():
+        if value:
+            raise ParameterError(
+                f"--animate: received with {name}; required without it, as no figure is drawn "
+                f"beside the moving picture; leave {name} out, or draw the figures in a second call"
+            )
+
+
+def _animated(
+    runs: Mapping[str, _Run], path: Path, title: str | None, progress: Progress
+) -> list[Path]:
+    """Write the moving picture; return its file."""
+    from spacecraft_gnc.analysis.animation import save_animation
+
+    progress(0, 1, "drawing the moving picture")
+    flown = {name: (run.flight.trajectory, run.scenario) for name, run in runs.items()}
+    save_animation(flown, path, title=" and ".join(runs) if title is None else title)
+    return [path]
+
+
+def _drawn(
+    makers: Mapping[str, Maker],
+    names: list[str],
+    folder: Path,
+    formats: list[Format],
+    progress: Progress,
+) -> list[Path]:
+    """Write the figures of these names; return their files."""
+    from spacecraft_gnc.analysis.figures import save_figures
+
+    kinds = [item.value for item in dict.fromkeys(formats)]
+    files = []
+    for i, name in enumerate(names):
+        progress(i, len(names), f"drawing {name}")
+        files += save_figures([(name, makers[name]())], folder, kinds)
+    return files
 
 
 def _makers(

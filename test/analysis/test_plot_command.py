@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from analysis.flights import DATA, case1
+from analysis.flights import DATA, at_rest, case1
 from flown_bags import fly
 
 from spacecraft_gnc.cli.main import main
@@ -158,3 +158,25 @@ def test_a_scenario_beside_the_recorded_one_is_not_used(tmp_path, capsys):
     told = capsys.readouterr()
     assert json.loads(told.out) == own
     assert f"note: {bag}: holds what flew; --scenario is not used" in told.err.splitlines()
+
+
+def test_a_moving_picture_is_written_instead_of_the_figures(tmp_path, capsys):
+    runs = [at_rest(3).save(tmp_path / f"{name}.npz") for name in ("one", "two")]
+    picture = tmp_path / "both.gif"
+    assert run(*runs, "--animate", picture, "--scenario", SCENARIO) == 0
+    assert capsys.readouterr().out == f"{picture}\n"
+    assert sorted(tmp_path.iterdir()) == sorted([*runs, picture])
+
+
+@pytest.mark.parametrize(
+    ("options", "reason"),
+    [
+        (("--animate", "flight.mp4"), "--animate: received 'flight.mp4', no .gif file"),
+        (("--animate", "none/flight.gif"), "in a folder that does not exist"),
+        (("--animate", "flight.gif", "--only", "torque"), "--animate: received with --only"),
+    ],
+)
+def test_a_moving_picture_is_refused_in_one_line(flight, options, reason, capsys):
+    assert run(flight, *options) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert reason in line

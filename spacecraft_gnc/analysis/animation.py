@@ -1,0 +1,81 @@
+"""Moving picture of one flight, or of several side by side, as an animated GIF."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from PIL import Image
+
+from spacecraft_gnc.analysis import style
+from spacecraft_gnc.analysis._animated_run import AnimatedRun, animated_run
+from spacecraft_gnc.analysis._scene import Scene
+from spacecraft_gnc.analysis.whole_file import whole_file
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.types import Array
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.scenario import Scenario
+
+FRAMES: Final = 76
+"""Frames of a flight with at least as many states; a shorter one has a frame for each state."""
+_MOST_RUNS: Final = 3
+_SHOWN: Final = 100  # wall time of a frame [ms]
+_LAST_SHOWN: Final = 2500  # of the last one, before the first follows again [ms]
+_COLOURS: Final = 255
+
+
+def save_animation(
+    flights: Mapping[str, tuple[Trajectory, Scenario | None]], path: Path, *, title: str = ""
+) -> None:
+    """Write the moving picture of flights, which starts again at its end, in one step.
+
+    Parameters
+    ----------
+    flights
+        Trajectory and scenario by name, three at the most; the scenario gives the torque limit and
+        the pointing zones with the axes of the instruments.
+    path
+        The .gif file.
+    title
+        Heading.
+
+    Raises
+    ------
+    ParameterError
+        If there are more flights.
+    RecordingError
+        If the file cannot be written; nothing is left then.
+    """
+    if len(flights) > _MOST_RUNS:
+        raise ParameterError(
+            f"--animate: received {len(flights)} runs; required {_MOST_RUNS} at the most, which "
+            "stand side by side; leave some out"
+        )
+    runs = [animated_run(name, *flown, i) for i, (name, flown) in enumerate(flights.items())]
+    with style.applied():
+        frames = [Image.fromarray(frame) for frame in _frames(runs, title)]
+    # One palette for all frames, so that nothing flickers: the last frame has every color. Maximum
+    # coverage keeps pure ones, white among them, which a median cut would blend.
+    palette = frames[-1].quantize(_COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
+    shown = [_SHOWN] * len(others) + [_LAST_SHOWN]
+    with whole_file(path) as temporary:
+        first.save(
+            temporary, format="gif", save_all=True, append_images=others, duration=shown, loop=0
+        )
+
+
+def frame_times(runs: Sequence[AnimatedRun]) -> Array:
+    """Return the times of the frames [s]: states of the longest flight, evenly spread."""
+    times = max((run.times for run in runs), key=lambda times: times[-1])
+    rows = np.linspace(0, len(times) - 1, min(len(times), FRAMES)).round().astype(int)
+    return np.asarray(times[rows])
+
+
+def _frames(runs: Sequence[AnimatedRun], title: str) -> Iterator[Array]:
+    scene = Scene(runs, title)
+    yield from map(scene.frame, frame_times(runs))
