@@ -57,9 +57,8 @@ def main() -> int:
             for extra in ("", "[ros]", "[all]"):
                 started = time.monotonic()
                 check_installed(folder / f"venv{extra}", f"{wheel}{extra}", extra)
-                print(
-                    f"spacecraft_gnc{extra}: installed and tried, {time.monotonic() - started:.0f} s"
-                )
+                seconds = time.monotonic() - started
+                print(f"spacecraft_gnc{extra}: installed and tried ({seconds:.0f} s)")
         except Failed as error:
             print(f"error: {error}", file=sys.stderr)
             return 1
