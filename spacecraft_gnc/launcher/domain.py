@@ -1,7 +1,9 @@
 """ROS domains on this machine: which are taken, by whom, and which is free.
 
 A graph holds two locks while it lives: ``graph`` by its launcher, ``clock`` by its plant. Locks are
-advisory file locks in the temporary folder, so that a process that dies gives them back.
+advisory file locks in the temporary folder, so that a process that dies gives them back. They are
+locks of the open file description (`man fcntl`): unlike those of flock, they can be asked for
+without being taken, so that who only looks is never seen as a graph, nor keeps one away.
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ import fcntl
 import json
 import os
 import socket
+import struct
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -25,6 +28,8 @@ _FREE_DOMAINS: Final = range(1, 102)
 _PORT_BASE: Final = 7400
 _PORTS_PER_DOMAIN: Final = 250
 _FIRST_PARTICIPANT: Final = 10
+_FLOCK: Final = "hhqqi4x"  # struct flock: type, whence, start, length, process
+_WHOLE_FILE: Final = struct.pack(_FLOCK, fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0)
 
 
 class DomainTaken(LaunchError):
@@ -111,25 +116,26 @@ def claim_free(about: Mapping[str, Any]) -> DomainLock:
 def running_graphs() -> Iterator[Graph]:
     """Graphs of this user that hold a domain now."""
     for path in sorted(_folder().glob(f"{GRAPH}_*.lock")):
-        domain_id = int(path.stem.removeprefix(f"{GRAPH}_"))
-        lock = _try_claim(GRAPH, domain_id, None)
-        if lock is None:
-            yield Graph(domain_id, _read(path))
-        else:
-            lock.release()
+        if _is_held(path):
+            yield Graph(int(path.stem.removeprefix(f"{GRAPH}_")), _read(path))
 
 
-def _try_claim(kind: str, domain_id: int, about: Mapping[str, Any] | None) -> DomainLock | None:
+def _try_claim(kind: str, domain_id: int, about: Mapping[str, Any]) -> DomainLock | None:
     descriptor = os.open(_path(kind, domain_id), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
+        fcntl.fcntl(descriptor, fcntl.F_OFD_SETLK, _WHOLE_FILE)
+    except (BlockingIOError, PermissionError):  # POSIX leaves open which
         os.close(descriptor)
         return None
-    if about is not None:
-        os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, json.dumps({"pid": os.getpid(), **about}).encode(), 0)
+    os.ftruncate(descriptor, 0)
+    os.pwrite(descriptor, json.dumps({"pid": os.getpid(), **about}).encode(), 0)
     return DomainLock(kind, domain_id, descriptor)
+
+
+def _is_held(path: Path) -> bool:
+    with path.open("rb") as file:
+        answer = fcntl.fcntl(file, fcntl.F_OFD_GETLK, _WHOLE_FILE)
+    return bool(struct.unpack(_FLOCK, answer)[0] != fcntl.F_UNLCK)
 
 
 def _path(kind: str, domain_id: int) -> Path:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -41,6 +43,31 @@ def test_running_graphs_are_found() -> None:
     for lock in locks:
         lock.release()
     assert list(domain.running_graphs()) == []
+
+
+LOOK = """
+import sys, tempfile
+tempfile.tempdir = sys.argv[1]
+from spacecraft_gnc.launcher import domain
+print(sum(len(list(domain.running_graphs())) for _ in range(500)))
+"""
+
+
+def test_who_only_looks_is_seen_by_nobody_and_keeps_nobody_away(tmp_path: Path) -> None:
+    for domain_id in range(1, 21):
+        domain.claim_given(domain_id, {}).release()  # leaves its files
+    command = [sys.executable, "-c", LOOK, str(tmp_path)]
+    looking = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(3)]
+    assert [process.communicate()[0].strip() for process in looking] == ["0", "0", "0"]
+
+    lock = domain.claim_given(7, {"scenario": "a.yaml"})
+    looking = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(2)]
+    while any(process.poll() is None for process in looking):
+        domain.claim_given(3, {}).release()  # is refused nowhere
+        assert [graph.domain_id for graph in domain.running_graphs()] == [7]
+    for process in looking:
+        process.communicate()
+    lock.release()
 
 
 def test_free_domains_differ_and_avoid_other_programs() -> None:
