@@ -21,6 +21,13 @@ ArrayLike: TypeAlias = Array | Sequence[float] | Sequence[Sequence[float]] | flo
 ROTATION_TOLERANCE = 1e-6
 """Largest Frobenius norm of R^T R - I accepted from outside: room for single-precision sources."""
 
+MOMENTS = (1e-12, 1e15)
+"""Least and largest principal moment of inertia [kg m^2]: a speck of dust, a small asteroid."""
+_PRODUCTS = (
+    "off-diagonal entries are negative products of inertia, J_xy = -(integral of x y dm): where a "
+    "table gives them without the sign, change it"
+)
+
 
 class State(NamedTuple):
     """State of the spacecraft at the start of control step ``step``."""
@@ -152,20 +159,33 @@ def as_inertia(name: str, value: ArrayLike) -> Matrix3:
     Raises
     ------
     ParameterError
-        If it is not symmetric, not positive definite, or its principal moments break the (strict)
-        triangle inequality, so that no rigid body with volume has it.
+        If it is not symmetric, not positive definite, its principal moments break the (strict)
+        triangle inequality, so that no rigid body with volume has it, or one of them lies outside
+        `MOMENTS`.
+
+    Notes
+    -----
+    The entries are those of the tensor: J_xy = -(integral of x y dm). A product of inertia that a
+    table gives as +(integral of x y dm) changes its sign.
     """
     inertia = as_symmetric(name, value)
     moments = np.linalg.eigvalsh(inertia)
+    signs = "" if (inertia == np.diag(np.diag(inertia))).all() else f" ({_PRODUCTS})"
     if moments[0] <= 0.0:
         raise ParameterError(
             f"{name}: received principal moments {listed(moments)}; required a positive definite "
-            "matrix; check the signs and the row order"
+            f"matrix; check the signs and the row order{signs}"
         )
     if moments[2] >= moments[0] + moments[1]:
         raise ParameterError(
             f"{name}: received principal moments {listed(moments)}; required each smaller than "
-            "the sum of the other two (triangle inequality); check the largest one"
+            f"the sum of the other two (triangle inequality); check the largest one{signs}"
+        )
+    if moments[0] < MOMENTS[0] or moments[2] > MOMENTS[1]:
+        raise ParameterError(
+            f"{name}: received principal moments {listed(moments)}; required {MOMENTS[0]:g} to "
+            f"{MOMENTS[1]:g} kg m^2, so that double precision holds the products of the dynamics "
+            "and of the cost; check the unit"
         )
     return inertia
 

@@ -54,7 +54,9 @@ CONTROLLER_CASES = {
         for fault, matrix, need, remedy in (
             ("indefinite", [1.0, 2.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 1.0], "definite", "eigenval"),
             ("skew", [1.0, 0.0, 0.1, 0.0, 1.0, 0.0, -0.1, 0.0, 1.0], "a symmetric", "mirror"),
-            ("negative", -1.0, "> 0" if name == "stage_torque" else ">= 0", "raise it"),
+            ("negative", -1.0, "> 0" if name == "stage_torque" else "0 to 1e+60", "raise it"),
+            ("enormous", 1e61, "1e+60", "lower it"),
+            ("huge", [1e61, 0.0, 0.0, 0.0, 1e61, 0.0, 0.0, 0.0, 1e61], "1e+60", "lower it"),
         )
     },
     "actuators no whole columns": Bad(
@@ -84,6 +86,16 @@ CONTROLLER_CASES = {
     "formulation unknown": Bad(
         "horizon: 5", "formulation: backwards_sweep", "nmpc_controller.formulation",
         "one of auto, backward_sweep, single_shooting", "did you mean 'backward_sweep'?",
+    ),
+    **{
+        f"method {word}": Bad(
+            "horizon: 5", f"method: {word}", "nmpc_controller.method", "a string", f'write "{word}"'
+        )
+        for word in ("no", "off", "On", "Y", "1e3", "010", "0x1p3", "5")
+    },
+    "horizon too long to examine": Bad(
+        "horizon: 5", "horizon: 1001\n    method: terminal_set", "nmpc_controller.horizon",
+        "at most 1000 steps of method: terminal_set", "shorten it",
     ),
     "step rule unknown": Bad(
         "horizon: 5", "step_rule: backtrack", "nmpc_controller.step_rule",

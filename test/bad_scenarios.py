@@ -58,7 +58,13 @@ CASES = {
     "string for a double": Bad(
         "duration: 4.0", "duration: long", "plant.duration", "a number", "without quotes"
     ),
-    "quoted number": Bad("duration: 4.0", "duration: '4'", "plant.duration", "> 0", "write 4.0"),
+    "quoted number": Bad(
+        "duration: 4.0", "duration: '4'", "plant.duration", "[s], 1e-06 to", "write 4.0"
+    ),
+    "boolean among words": Bad(
+        "[plant, nmpc_controller, reference_governor, recorder]", "[plant, off]", "launcher.nodes",
+        "a list of strings", 'write [plant, "off"]',
+    ),
     "double for an integer": Bad(
         "horizon: 5", "horizon: 5.0", "nmpc_controller.horizon", "an integer", "write 5"
     ),
@@ -105,7 +111,7 @@ CASES = {
         "horizon: 5", "horizon: 0", "nmpc_controller.horizon", "1 to 10000", "raise it"
     ),
     "negative time step": Bad(
-        "time_step: 0.4", "time_step: -0.4", "plant.time_step", "[s], > 0", "raise it"
+        "time_step: 0.4", "time_step: -0.4", "plant.time_step", "[s], 1e-06 to", "raise it"
     ),
     "time step too large for the momentum": Bad(
         "[0.0, 0.0, 0.1]", "[0.0, 0.0, 9.0]", "plant.time_step", "Kalabic et al. 2014, (3)",
@@ -124,7 +130,38 @@ CASES = {
         "lengthen it",
     ),
     "endless": Bad(
-        "duration: 4.0", "duration: 1e300", "plant.duration", "at most", "shorten it"
+        "duration: 4.0", "duration: 1e300", "plant.duration", "to 2147483647", "lower it"
+    ),
+    "too many steps": Bad(
+        "duration: 4.0", "duration: 2e9", "plant.duration", "at most 1e+09 control steps",
+        "shorten it",
+    ),
+    "number of four hundred digits": Bad(
+        "time_step: 0.4", f"time_step: {'9' * 400}", "plant.time_step", "a number",
+        "write a number that double precision holds",
+    ),
+    "attitude of a million turns": Bad(
+        "duration: 4.0", "initial_rotation_vector: [6e6, 0.0, 0.0]",
+        "plant.initial_rotation_vector", "[rad], -1000 to 1000", "lower it",
+    ),
+    "momentum of no spacecraft": Bad(
+        "[0.0, 0.0, 0.1]", "[0.0, 0.0, -1e16]", "plant.initial_momentum", "-1e+15 to 1e+15",
+        "raise it",
+    ),
+    "inertia of nothing": Bad(
+        "[1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]",
+        "[1e-200, 0.0, 0.0, 0.0, 1e-200, 0.0, 0.0, 0.0, 1e-200]",
+        "plant.inertia", "1e-12 to 1e+15 kg m^2", "check the unit",
+    ),
+    "inertia of a planet": Bad(
+        "[1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]",
+        "[1e37, 0.0, 0.0, 0.0, 1e37, 0.0, 0.0, 0.0, 1e37]",
+        "plant.inertia", "1e-12 to 1e+15 kg m^2", "check the unit",
+    ),
+    "products of inertia without their sign": Bad(
+        "[1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]",
+        "[1.0, 0.3, 0.3, 0.3, 0.8, 0.3, 0.3, 0.3, 0.8]",
+        "plant.inertia", "triangle inequality", "J_xy = -(integral of x y dm)",
     ),
     "zone without definition": Bad(
         "[star]", "[star, moon]", "nmpc_controller.zone_names", "zones.moon", "define it"

@@ -95,7 +95,8 @@ def _check_entry(checked: Checked, section: str, name: str, entry: Entry) -> Non
         _unknown(checked, section, name)
         return
     try:
-        checked.values[section][name] = admissible(spec, entry.value, entry.coerce)
+        value = admissible(spec, entry.value, entry.coerce, entry.written)
+        checked.values[section][name] = value
     except Refusal as refusal:
         checked.complain(section, name, refusal.received, refusal.requirement, refusal.remedy)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Final
 
 from spacecraft_gnc.scenario import registry
@@ -11,6 +11,7 @@ from spacecraft_gnc.scenario.problems import shown, suggestion
 
 _CONTROLLER: Final = "nmpc_controller"
 _NOMINAL_RUN: Final = "nominal_rotation_vector"
+_LONGEST_EXAMINED: Final = 1000  # steps: some seconds of computation before the flight
 _OF_A_NOMINAL_RUN: Final = ("nominal_momentum", "exact_every")
 
 
@@ -39,6 +40,7 @@ def check_method(checked: Checked) -> None:
             need = f"a method that reads it ({' or '.join(known)}), not {method}"
             remedy = f"remove it, or set method: {known[0]}"
             _complain(checked, name, need, remedy)
+    _check_horizon(checked, built_in.traits.reads)
     if _NOMINAL_RUN not in built_in.traits.reads or checked.get(_CONTROLLER, _NOMINAL_RUN) != []:
         return
     for name in _OF_A_NOMINAL_RUN:
@@ -57,6 +59,20 @@ def unread_by(method: str, names: Iterable[str]) -> Iterator[str]:
         ignored = method not in known.get(name, (method,))
         if ignored or (name == "variant" and not built_in.traits.variants):
             yield name
+
+
+def _check_horizon(checked: Checked, read: Collection[str]) -> None:
+    """Refuse a horizon with which the look at the start, before the flight, takes minutes."""
+    horizon = checked.get(_CONTROLLER, "horizon")
+    governor = checked.get("reference_governor", "governor")
+    if governor == "attitude" and "horizon" in read:
+        who = "behind reference_governor.governor: attitude, which predicts the whole flight"
+    elif "terminal_set" in read:
+        who = "of method: terminal_set, which has to be feasible at the start"
+    else:
+        return
+    if isinstance(horizon, int) and horizon > _LONGEST_EXAMINED:
+        _complain(checked, "horizon", f"at most {_LONGEST_EXAMINED} steps {who}", "shorten it")
 
 
 def _check_variant(checked: Checked, method: str, known: tuple[str, ...]) -> None:

@@ -35,6 +35,7 @@ from spacecraft_gnc.scenario.schema import (
 from spacecraft_gnc.scenario.shipped import find
 from spacecraft_gnc.scenario.values import plain
 from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, parse_value, read
+from spacecraft_gnc.scenario.yaml_scalar import Scalar
 
 _CONTROLLER: Final = "nmpc_controller"
 Overrides = Mapping[str, Any] | Sequence[str]
@@ -257,6 +258,7 @@ def _typed(parameters: type, checked: Checked, section: str) -> dict[str, Any]:
 
 def _apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
     """Lay overrides over what the file gives."""
+    written: dict[str, str] = {}
     if isinstance(overrides, Mapping):
         values = flatten(overrides)
     else:
@@ -264,6 +266,8 @@ def _apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
         for i, text in enumerate(as_tuple("overrides", overrides, "NODE.PARAMETER=VALUE")):
             require_kind(f"overrides[{i}]", text, str)
             values |= _parse_override(text, problems)
+            key, _, value_text = text.partition("=")
+            written[key.strip()] = value_text.strip()
     for key, value in values.items():
         if value is None:  # as in `from_sections`: not given
             continue
@@ -273,7 +277,9 @@ def _apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
             remedy = suggestion(section, tuple(SECTIONS))
             problems.append(Problem("--set", None, key, shown(plain(value)), need, remedy))
             continue
-        given.setdefault(section, {})[name] = Entry(plain(value), "--set", coerce=True)
+        as_written = written.get(key) if isinstance(value, Scalar) else None
+        entry = Entry(plain(value), "--set", coerce=True, written=as_written)
+        given.setdefault(section, {})[name] = entry
 
 
 def _parse_override(text: str, problems: list[Problem]) -> dict[str, Any]:

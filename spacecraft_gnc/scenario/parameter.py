@@ -18,6 +18,13 @@ import numpy as np
 Value: TypeAlias = bool | int | float | str | list[Any]
 """A parameter value in its ROS 2 form: a scalar, or a flat list of scalars of one type."""
 
+LARGEST: Final = 1e15
+"""Of a momentum or a torque, in SI units: far more than any spacecraft has, and so little that
+fourth powers, times the largest weight, stay numbers of double precision."""
+LARGEST_WEIGHT: Final = 1e60
+LARGEST_ANGLE: Final = 1e3
+"""[rad] of a rotation vector: attitudes of longer ones are not known to the digits of a double."""
+
 _METADATA_KEY: Final = "spacecraft_gnc.parameter"
 
 

@@ -75,7 +75,11 @@ def problem_of(error: GncError, file: str, section: str, known: Sequence[str]) -
 
 def shown(value: Any) -> str:
     """Return ``value`` as YAML on one line, shortened where it is long."""
-    text = _yaml(value)
+    return shortened(_yaml(value))
+
+
+def shortened(text: str) -> str:
+    """Return a text, cut where it is long, with its length."""
     if len(text) <= _LONGEST_VALUE:
         return text
     return f"{text[:_LONGEST_VALUE]}... ({len(text)} characters)"

@@ -11,7 +11,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, NodeParameters, parameter
+from spacecraft_gnc.scenario.parameter import (
+    LARGEST,
+    LARGEST_ANGLE,
+    Kind,
+    MatrixRule,
+    NodeParameters,
+    parameter,
+)
 from spacecraft_gnc.scenario.schema_controller import (
     ControllerParameters,
     WeightParameters,
@@ -31,6 +38,11 @@ __all__ = [
     "ZoneParameters",
 ]
 
+LONGEST: Final = 2**31 - 1.0
+"""[s] of simulated time: ROS 2 counts its seconds in 32 bits."""
+SHORTEST: Final = 1e-6
+"""[s] between two steps: ROS 2 stamps count nanoseconds, of which a period is a whole number."""
+
 NODE_NAMES: Final = ("plant", "nmpc_controller", "reference_governor", "recorder")
 
 
@@ -44,20 +56,24 @@ class PlantParameters(NodeParameters):
     inertia: Matrix3 = parameter(
         Kind.DOUBLE_ARRAY,
         [],
-        "inertia matrix, body frame",
+        "inertia matrix, body frame: J_xx = integral of (y^2 + z^2) dm, "
+        "J_xy = -(integral of x y dm); principal moments of 1e-12 to 1e15",
         unit="kg m^2",
         shape=(3, 3),
         matrix=MatrixRule.INERTIA,
         required=True,
         may_be_empty=True,
     )
-    time_step: float = parameter(Kind.DOUBLE, 0.4, "step of the integrator", unit="s", above=0.0)
+    time_step: float = parameter(
+        Kind.DOUBLE, 0.4, "step of the integrator", unit="s", minimum=SHORTEST, maximum=LONGEST
+    )
     duration: float = parameter(
         Kind.DOUBLE,
         150.0,
         "simulated time; a last fraction of a control period is not flown",
         unit="s",
-        above=0.0,
+        minimum=SHORTEST,
+        maximum=LONGEST,
     )
     initial_rotation_vector: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -65,6 +81,8 @@ class PlantParameters(NodeParameters):
         "initial attitude R_0 = exp(hat(.)), body to inertial",
         unit="rad",
         shape=(3,),
+        minimum=-LARGEST_ANGLE,
+        maximum=LARGEST_ANGLE,
     )
     initial_momentum: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -72,6 +90,8 @@ class PlantParameters(NodeParameters):
         "initial angular momentum, body frame",
         unit="N m s",
         shape=(3,),
+        minimum=-LARGEST,
+        maximum=LARGEST,
     )
     mode: str = parameter(
         Kind.STRING,
@@ -84,7 +104,8 @@ class PlantParameters(NodeParameters):
         Kind.DOUBLE,
         1.0,
         "simulated seconds per wall second (free_run only)",
-        above=0.0,
+        minimum=1.0e-6,
+        maximum=1.0e6,
     )
     command_timeout: float = parameter(
         Kind.DOUBLE,
@@ -92,6 +113,7 @@ class PlantParameters(NodeParameters):
         "wall time that the plant waits for a torque before it falls back (lockstep only)",
         unit="s",
         above=0.0,
+        maximum=LONGEST,
     )
     max_held_steps: int = parameter(
         Kind.INTEGER,
@@ -129,6 +151,8 @@ class GovernorParameters(NodeParameters):
         "target attitude exp(hat(.)), body to inertial",
         unit="rad",
         shape=(3,),
+        minimum=-LARGEST_ANGLE,
+        maximum=LARGEST_ANGLE,
     )
     initial_reference_rotation_vector: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -136,6 +160,8 @@ class GovernorParameters(NodeParameters):
         "attitude: reference before the first step, exp(hat(.)); empty: the attitude at that step",
         unit="rad",
         shape=(3,),
+        minimum=-LARGEST_ANGLE,
+        maximum=LARGEST_ANGLE,
         may_be_empty=True,
     )
     max_torque: float = parameter(
@@ -144,6 +170,7 @@ class GovernorParameters(NodeParameters):
         "attitude: largest norm of the torque that the governed loop may command; 0: no limit",
         unit="N m",
         minimum=0.0,
+        maximum=LARGEST,
     )
     max_momentum: float = parameter(
         Kind.DOUBLE,
@@ -151,6 +178,7 @@ class GovernorParameters(NodeParameters):
         "attitude: largest norm of the angular momentum; 0: no limit",
         unit="N m s",
         minimum=0.0,
+        maximum=LARGEST,
     )
     steady_margin_deg: float = parameter(
         Kind.DOUBLE,
@@ -166,6 +194,7 @@ class GovernorParameters(NodeParameters):
         "attitude, feedback: level of the invariant set around a reference; 0: computed",
         unit="J",
         minimum=0.0,
+        maximum=LARGEST,
     )
     prediction_horizon: int = parameter(
         Kind.INTEGER,

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, NodeParameters, parameter
+from spacecraft_gnc.scenario.parameter import (
+    LARGEST,
+    LARGEST_ANGLE,
+    LARGEST_WEIGHT,
+    Kind,
+    MatrixRule,
+    NodeParameters,
+    parameter,
+)
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 
@@ -19,6 +27,7 @@ class WeightParameters:
         shape=(3, 3),
         matrix=MatrixRule.SEMIDEFINITE,
         minimum=0.0,
+        maximum=LARGEST_WEIGHT,
     )
     stage_momentum: Matrix3 = parameter(
         Kind.DYNAMIC,
@@ -28,6 +37,7 @@ class WeightParameters:
         shape=(3, 3),
         matrix=MatrixRule.SEMIDEFINITE,
         minimum=0.0,
+        maximum=LARGEST_WEIGHT,
     )
     stage_torque: Matrix3 = parameter(
         Kind.DYNAMIC,
@@ -37,6 +47,7 @@ class WeightParameters:
         shape=(3, 3),
         matrix=MatrixRule.DEFINITE,
         above=0.0,
+        maximum=LARGEST_WEIGHT,
     )
     stage_rate: Matrix3 = parameter(
         Kind.DYNAMIC,
@@ -46,6 +57,7 @@ class WeightParameters:
         shape=(3, 3),
         matrix=MatrixRule.SEMIDEFINITE,
         minimum=0.0,
+        maximum=LARGEST_WEIGHT,
     )
     terminal_attitude: Matrix3 = parameter(
         Kind.DYNAMIC,
@@ -54,6 +66,7 @@ class WeightParameters:
         shape=(3, 3),
         matrix=MatrixRule.SEMIDEFINITE,
         minimum=0.0,
+        maximum=LARGEST_WEIGHT,
     )
     terminal_momentum: Matrix3 = parameter(
         Kind.DYNAMIC,
@@ -63,6 +76,7 @@ class WeightParameters:
         shape=(3, 3),
         matrix=MatrixRule.SEMIDEFINITE,
         minimum=0.0,
+        maximum=LARGEST_WEIGHT,
     )
 
 
@@ -82,6 +96,8 @@ class ZoneParameters:
         [],
         "axis of the instrument, body frame (normalised)",
         shape=(3,),
+        minimum=-LARGEST,
+        maximum=LARGEST,
         nonzero=True,
         required=True,
         may_be_empty=True,
@@ -91,6 +107,8 @@ class ZoneParameters:
         [],
         "axis of the cone, inertial frame (normalised)",
         shape=(3,),
+        minimum=-LARGEST,
+        maximum=LARGEST,
         nonzero=True,
         required=True,
         may_be_empty=True,
@@ -109,6 +127,7 @@ class ZoneParameters:
         1000.0,
         "weight of the soft constraint in the cost",
         above=0.0,
+        maximum=LARGEST_WEIGHT,
     )
 
 
@@ -145,6 +164,8 @@ class ControllerParameters(NodeParameters):
         "actuator matrix B, torque = B u with one column an actuator, body frame; "
         "empty: the identity",
         shape=(3, -1),
+        minimum=-LARGEST,
+        maximum=LARGEST,
         may_be_empty=True,
     )
     max_torque: float = parameter(
@@ -153,6 +174,7 @@ class ControllerParameters(NodeParameters):
         "largest norm of the actuator commands u (of the torque, without actuators); 0: no limit",
         unit="N m",
         minimum=0.0,
+        maximum=LARGEST,
     )
     torque_penalty: float = parameter(
         Kind.DOUBLE,
@@ -160,6 +182,7 @@ class ControllerParameters(NodeParameters):
         "weight of the torque limit in the cost",
         unit="(N m)^-4",
         above=0.0,
+        maximum=LARGEST_WEIGHT,
     )
     zone_names: tuple[str, ...] = parameter(
         Kind.STRING_ARRAY,
@@ -213,6 +236,8 @@ class ControllerParameters(NodeParameters):
         "empty: no nominal run, on-line method",
         unit="rad",
         shape=(3,),
+        minimum=-LARGEST_ANGLE,
+        maximum=LARGEST_ANGLE,
         may_be_empty=True,
     )
     nominal_momentum: Vector3 = parameter(
@@ -221,6 +246,8 @@ class ControllerParameters(NodeParameters):
         "neighboring_extremal: initial angular momentum of the stored nominal run, body frame",
         unit="N m s",
         shape=(3,),
+        minimum=-LARGEST,
+        maximum=LARGEST,
     )
     exact_every: int = parameter(
         Kind.INTEGER,
@@ -250,6 +277,7 @@ class ControllerParameters(NodeParameters):
         unit="N m",
         shape=(3, 3),
         matrix=MatrixRule.DEFINITE,
+        maximum=LARGEST,
         may_be_empty=True,
     )
     feedback_momentum_gain: Matrix3 = parameter(
@@ -259,6 +287,7 @@ class ControllerParameters(NodeParameters):
         unit="1/s",
         shape=(3, 3),
         matrix=MatrixRule.DEFINITE,
+        maximum=LARGEST,
         may_be_empty=True,
     )
     terminal_set: str = parameter(

@@ -13,6 +13,7 @@ from spacecraft_gnc.scenario.problems import InvalidScenario, Problem
 
 _FOLDER: Final = Path("share", "spacecraft_gnc", "config")
 _SUFFIX: Final = ".yaml"
+_NEAREST: Final = 3  # names
 
 
 def find(scenario: str | Path) -> Path:
@@ -53,8 +54,9 @@ def shipped(name: str) -> Path:
     known = _scenarios()
     if name in known:
         return known[name]
-    near = sorted(get_close_matches(name.removesuffix(_SUFFIX), known, n=3) or known)
-    remedy = f"use {' or '.join(near)}" if near else "reinstall the package with its data files"
+    near = sorted(get_close_matches(name.removesuffix(_SUFFIX), known, n=_NEAREST) or known)
+    listed = " or ".join(near) if len(near) <= _NEAREST else f"one of {', '.join(near)}"
+    remedy = f"use {listed}" if near else "reinstall the package with its data files"
     need = "a file, or the name of a scenario that comes with the package"
     raise InvalidScenario([Problem(name, None, "", "no such file", need, remedy)])
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from typing import Any, Final
+import re
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.scenario.parameter import Kind, MatrixRule, ParameterSpec, Value
-from spacecraft_gnc.scenario.problems import shown, suggestion
+from spacecraft_gnc.scenario.problems import shortened, shown, suggestion
 from spacecraft_gnc.scenario.yaml_scalar import emit, parse_plain
 from spacecraft_gnc.types import as_inertia, as_semidefinite, as_symmetric
 
@@ -26,6 +28,11 @@ _MATRIX_CHECKS: Final = {
     MatrixRule.DEFINITE: as_symmetric,  # and its eigenvalues in `_check_vector`
 }
 _TYPE_NAMES: Final = {bool: "a boolean", int: "an integer", float: "a number", str: "a string"}
+
+
+_DIGITS: Final = re.compile(r"[-+]?[0-9][-+.0-9eE]*")
+Written: TypeAlias = str | list[str] | None
+"""A value, or each of a list, as it stands in a file; None where that is not known."""
 
 
 class Refusal(ValueError):
@@ -47,7 +54,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def admissible(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
+def admissible(spec: ParameterSpec, value: Value, coerce: bool, written: Written = None) -> Value:
     """Return ``value`` in the ROS 2 type of ``spec``.
 
     Parameters
@@ -58,25 +65,29 @@ def admissible(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
         As read from YAML, or from ROS 2.
     coerce : bool
         Whether an integer may stand for a double.
+    written : str or list of str, optional
+        The value, or each of a list, as it stands in the file.
 
     Raises
     ------
     Refusal
         If the type, the size or the value is not admitted.
     """
-    typed = _of_type(spec, value, coerce)
+    typed = _of_type(spec, value, coerce, written)
     items = typed if isinstance(typed, list) else [typed]
     _check_finite(spec, value, items)
     _check_size(spec, typed)
     _check_words(spec, items)
     if not isinstance(typed, list) or spec.matrix is MatrixRule.NONE:
         _check_range(spec, items)
+    else:  # its rule decides on signs and zeros
+        _check_range(dataclasses.replace(spec, minimum=None, above=None), [*map(abs, items)])
     if isinstance(typed, list) and typed:
         _check_vector(spec, typed)
     return typed
 
 
-def _of_type(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
+def _of_type(spec: ParameterSpec, value: Value, coerce: bool, written: Written) -> Value:
     kind = spec.kind
     if isinstance(value, bool) and kind is Kind.STRING and emit(value) in spec.choices:
         value = emit(value)  # YAML and ROS 2 read the words true and false as booleans
@@ -85,14 +96,15 @@ def _of_type(spec: ParameterSpec, value: Value, coerce: bool) -> Value:
     if kind in _ELEMENT:
         if not isinstance(value, list):
             remedy = f"write [{emit(value)}]" if spec.length == -1 else "write a list"
-            raise Refusal(_received(value), spec.requirement, remedy)
+            raise Refusal(_received(value, written), spec.requirement, remedy)
         items = [_element(_ELEMENT[kind], item, coerce) for item in value]
     elif isinstance(value, list):
-        raise Refusal(_received(value), spec.requirement, "write one value")
+        raise Refusal(_received(value, written), spec.requirement, "write one value")
     else:
         items = [_element(kind, value, coerce)]
     if any(item is None for item in items):
-        raise Refusal(_received(value), spec.requirement, _type_remedy(spec, kind, value))
+        remedy = _type_remedy(spec, kind, value, written)
+        raise Refusal(_received(value, written), spec.requirement, remedy)
     return items if kind in _ELEMENT else items[0]
 
 
@@ -103,12 +115,15 @@ def _element(kind: Kind, value: Any, coerce: bool) -> Any:
     return value if type(value) is _TYPES[kind] else None
 
 
-def _type_remedy(spec: ParameterSpec, kind: Kind, value: Value) -> str:
+def _type_remedy(spec: ParameterSpec, kind: Kind, value: Value, written: Written) -> str:
     """Return what to write instead: the same value in the right type where there is one."""
     scalar = _ELEMENT.get(kind, kind)
     items = value if isinstance(value, list) else [value]
-    fixed = [_in_type(scalar, item) for item in items]
+    texts = written if isinstance(written, list) else [written] * len(items)
+    fixed = [_in_type(scalar, item, text) for item, text in zip(items, texts, strict=True)]
     if any(item is None for item in fixed):
+        if any(isinstance(item, str) and _DIGITS.fullmatch(item) for item in items):
+            return "write a number that double precision holds"
         return f"write {spec.type_text}, without quotes"
     if scalar in (Kind.INTEGER, Kind.DOUBLE) and any(
         spec.is_too_low(item) or spec.is_too_high(item) for item in fixed
@@ -117,10 +132,10 @@ def _type_remedy(spec: ParameterSpec, kind: Kind, value: Value) -> str:
     return f"write {emit(fixed if isinstance(value, list) else fixed[0])}"
 
 
-def _in_type(kind: Kind, value: Any) -> Any:
-    """Return ``value`` as a scalar of ``kind`` if it reads as one, else None."""
+def _in_type(kind: Kind, value: Any, text: str | None) -> Any:
+    """Return ``value``, written as ``text``, as a scalar of ``kind``; None: it reads as none."""
     if kind is Kind.STRING:
-        return value if isinstance(value, str) else emit(value)
+        return value if isinstance(value, str) else text or emit(value)
     number = parse_plain(value) if isinstance(value, str) else value
     if kind is Kind.DOUBLE and type(number) in (int, float):
         return float(number)
@@ -202,7 +217,9 @@ def _from_core(value: Value, error: GncError) -> Refusal:
     return Refusal(f"{shown(value)} ({received})", requirement, remedy)
 
 
-def _received(value: Value) -> str:
+def _received(value: Value, written: Written) -> str:
     if isinstance(value, list):
         return shown(value)
-    return f"{shown(value)} ({_TYPE_NAMES.get(type(value), 'no value')})"
+    is_word = isinstance(value, str)
+    text = shortened(written) if isinstance(written, str) and not is_word else shown(value)
+    return f"{text} ({_TYPE_NAMES.get(type(value), 'no value')})"

@@ -16,7 +16,14 @@ import yaml
 
 from spacecraft_gnc.scenario.parameter import Value
 from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, suggestion
-from spacecraft_gnc.scenario.yaml_node import compose, compose_file, convert, raw, unreadable
+from spacecraft_gnc.scenario.yaml_node import (
+    compose,
+    compose_file,
+    convert,
+    raw,
+    unreadable,
+    written,
+)
 
 PARAMETERS_KEY: Final = "ros__parameters"
 _EXAMPLE: Final = "copy an example from config/"
@@ -35,6 +42,8 @@ class Entry(NamedTuple):
     """None: laid over the file by ``--set``, or in memory from the start."""
     coerce: bool = False
     """An integer may stand for a double: true for ``--set``, false for a file handed to ROS 2."""
+    written: str | list[str] | None = None
+    """The value, or each of a list, as it stands there; None where that is not known."""
 
 
 Sections = dict[str, dict[str, Entry]]
@@ -161,7 +170,7 @@ class _Reader:
             requirement, _, remedy = str(error).partition("; ")
             self._complain(node, _joined(section, name), raw(node), requirement, remedy)
             return {name: Entry(None, self.file, node.start_mark.line + 1)}
-        return {name: Entry(value, self.file, node.start_mark.line + 1)}
+        return {name: Entry(value, self.file, node.start_mark.line + 1, written=written(node))}
 
     def _items(self, node: yaml.MappingNode, where: str) -> Iterator[tuple[str, yaml.Node]]:
         """Yield the entries of a mapping; complain of what ROS 2 would drop or refuse."""

@@ -13,6 +13,7 @@ from spacecraft_gnc.scenario.yaml_scalar import Scalar, parse_plain
 
 _PLAIN: Final = "plain"
 _QUOTED: Final = "quoted"
+_QUOTES: Final = ("'", '"')  # ROS 2 reads a block (| or >) like a value without quotes
 _MAXIMUM_SIZE: Final = 4 << 20  # bytes; a scenario has a few kilobytes
 
 
@@ -89,10 +90,17 @@ def raw(node: yaml.Node) -> str:
     return "a nested list" if isinstance(node, yaml.SequenceNode) else "a mapping"
 
 
+def written(node: yaml.Node) -> str | list[str]:
+    """Return the text of a scalar, or of each element of a flat list."""
+    if isinstance(node, yaml.SequenceNode):
+        return [str(item.value) for item in node.value]
+    return str(node.value)
+
+
 def _scalar(node: yaml.ScalarNode) -> Scalar:
-    if node.tag == _QUOTED:
+    if node.tag == _QUOTED and node.style in _QUOTES:
         return str(node.value)
-    if node.tag != _PLAIN:
+    if node.tag not in (_PLAIN, _QUOTED):
         raise ValueError(f"a value without a YAML tag; remove the tag {node.tag!r}")
     if not node.value:
         raise ValueError("a value; write one, or remove the key")

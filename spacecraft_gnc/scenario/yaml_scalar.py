@@ -18,9 +18,15 @@ _TRUE: Final = re.compile("[Yy]|[Yy]es|YES|[Tt]rue|TRUE|[Oo]n|ON")
 _FALSE: Final = re.compile("[Nn]|[Nn]o|NO|[Ff]alse|FALSE|[Oo]ff|OFF")
 _INTEGER: Final = re.compile(r"[+-]?(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
 _FLOAT: Final = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-_NOT_FINITE: Final = re.compile(r"[+-]?\.?(nan|inf|infinity)", re.IGNORECASE)
+_HEXADECIMAL: Final = re.compile(
+    r"[+-]?0[xX]([0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]+)([pP][+-]?[0-9]+)?"
+)
+_NOT_FINITE: Final = re.compile(
+    r"[+-]?([nN][aA][nN]|[iI][nN][fF]([iI][nN][iI][tT][yY])?)|\.(nan|NaN|NAN)|[+-]?\.(inf|Inf|INF)"
+)
 _PLAIN_WORD: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_./-]*")
 _INT64: Final = range(-(2**63), 2**63)
+_MOST_DIGITS: Final = 22  # of an int64, which are octal
 
 Scalar = bool | int | float | str
 
@@ -32,13 +38,14 @@ def parse_plain(text: str) -> Scalar:
     if _FALSE.fullmatch(text):
         return False
     if _INTEGER.fullmatch(text):
-        number = _c_integer(text)
-        return number if number in _INT64 else float(number)
+        whole = _c_integer(text)
+        if whole is not None:
+            return whole
     if _NOT_FINITE.fullmatch(text):
         return float(text.replace(".", ""))
     if _FLOAT.fullmatch(text):
         return _c_double(text)
-    return text
+    return _c_hexadecimal(text) if _HEXADECIMAL.fullmatch(text) else text
 
 
 def emit(value: Scalar | list[Scalar]) -> str:
@@ -65,13 +72,15 @@ def _emit_float(value: float) -> str:
     return mantissa + exponent + power
 
 
-def _c_integer(text: str) -> int:
-    """Read as C's strtol with base 0: 0x is hexadecimal, a leading 0 octal."""
-    sign = -1 if text.startswith("-") else 1
+def _c_integer(text: str) -> int | None:
+    """Read as C's strtoll with base 0: 0x is hexadecimal, a leading 0 octal; None: too large."""
     digits = text.lstrip("+-")
-    if digits[:2] in ("0x", "0X"):
-        return sign * int(digits, 16)
-    return sign * int(digits, 8 if digits.startswith("0") else 10)
+    base = 16 if digits[:2] in ("0x", "0X") else 8 if digits.startswith("0") else 10
+    digits = digits.lstrip("0").lstrip("xX").lstrip("0") or "0"
+    if len(digits) > _MOST_DIGITS:  # Python refuses to convert some thousand
+        return None
+    number = int(digits, base) * (-1 if text.startswith("-") else 1)
+    return number if number in _INT64 else None
 
 
 def _c_double(text: str) -> float | str:
@@ -80,3 +89,13 @@ def _c_double(text: str) -> float | str:
     zero = not re.search("[1-9]", re.split("[eE]", text)[0])
     in_range = sys.float_info.min <= abs(value) <= sys.float_info.max
     return value if zero or in_range else text
+
+
+def _c_hexadecimal(text: str) -> float | str:
+    """Read likewise; hexadecimal digits may well be exact below the normal doubles."""
+    try:
+        value = float.fromhex(text)
+    except OverflowError:
+        return text
+    zero = not re.search("[1-9a-f]", re.split("[pP]", text)[0].lower().partition("x")[2])
+    return value if zero or value else text

@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spacecraft_gnc.scenario import read_sections
+from spacecraft_gnc.scenario.yaml_file import parse_value
 from spacecraft_gnc.scenario.yaml_scalar import emit, parse_plain
 
 # text as it stands in a file -> what rclpy 7.1.6 (Jazzy) makes of it
@@ -27,6 +28,17 @@ READ_BY_ROS: dict[str, Any] = {
     "08": 8.0,
     "0x10": 16,
     "99999999999999999999": 1e20,
+    "0777777777777777777777777": 777777777777777777777777.0,
+    "0xffffffffffffffffff": float(0xFFFFFFFFFFFFFFFFFF),
+    "9" * 400: "9" * 400,
+    "9" * 5000: "9" * 5000,
+    "0" * 100 + "17": 15,
+    "0x" + "f" * 300: "0x" + "f" * 300,
+    "0x1p3": 8.0,
+    "0x.8": 0.5,
+    "0x0p9999": 0.0,
+    "0x1p-1074": 5e-324,
+    "0x1p-1080": "0x1p-1080",
     "150.0": 150.0,
     "1.": 1.0,
     ".5": 0.5,
@@ -54,17 +66,22 @@ READ_BY_ROS: dict[str, Any] = {
     "word": "word",
     ".inf": math.inf,
     "inf": math.inf,
+    "-Infinity": -math.inf,
+    ".infinity": ".infinity",
+    ".iNf": ".iNf",
+    ">-\n     5": 5,
+    "|\n     5\n": "5\n",
 }
 
 
 @pytest.mark.parametrize("text", READ_BY_ROS)
-def test_plain_scalar(text: str) -> None:
-    value = parse_plain(text)
+def test_scalar_without_quotes(text: str) -> None:
+    value = parse_value(text)
     assert value == READ_BY_ROS[text]
     assert type(value) is type(READ_BY_ROS[text])
 
 
-@pytest.mark.parametrize("text", [".nan", "nan", "NaN", ".NaN"])
+@pytest.mark.parametrize("text", [".nan", "nan", "NaN", ".NaN", "-nan"])
 def test_not_a_number(text: str) -> None:
     value = parse_plain(text)
     assert isinstance(value, float)
