@@ -140,8 +140,10 @@ CONTROLLER_CASES = {
         "horizon: 5", "nominal_rotation_vector: [0.0, 0.0, 0.5]",
         "nmpc_controller.nominal_rotation_vector", "a method that reads it", "remove it",
     ),
-    "start inside an exclusion zone": Bad(
-        "duration: 4.0", "duration: 4.0\n    initial_rotation_vector: [0.0, -1.5, 0.0]",
+    "governed start inside an exclusion zone": Bad(
+        "launcher:",
+        "reference_governor:\n  ros__parameters:\n    governor: attitude\n"
+        "/**/plant:\n  ros__parameters:\n    initial_rotation_vector: [0.0, -1.5, 0.0]\nlauncher:",
         "plant.initial_rotation_vector", "at least 5 deg (exclusion zone 'star')",
         "choose another start, or shrink the cone",
     ),
@@ -153,9 +155,9 @@ CONTROLLER_CASES = {
         "at least 5 deg (exclusion zone 'star')",
         "choose another target, or shrink the cone",
     ),
-    "default start outside an inclusion zone": Bad(
+    "default target outside an inclusion zone": Bad(
         "kind: exclusion", "kind: inclusion", "nmpc_controller.zones.star.half_angle_deg",
-        "at most 5 deg (inclusion zone 'star')", "choose another start, or widen the cone",
+        "at most 5 deg (inclusion zone 'star')", "choose another target, or widen the cone",
     ),
     "inclusion inside exclusion": Bad(
         *beside_star("inclusion", [0.0, 0.0, 1.0], 3.0), "one attitude that both zones allow",

@@ -29,6 +29,8 @@ class Checked:
     given: Given
     """By section: what ROS 2 gives each node."""
     problems: list[Problem]
+    warnings: list[str] = field(default_factory=list)
+    """What to know before it flies, one line each."""
     values: dict[str, dict[str, Value]] = field(default_factory=dict)
     """Section -> every parameter by dotted name, defaults included; refused ones are absent."""
 
@@ -63,10 +65,18 @@ class Checked:
 
     def complain(self, section: str, name: str, value: str, requirement: str, remedy: str) -> None:
         """Add a problem, placed at the line of ``section.name`` where that was given."""
+        place = self._place(section, name)
+        self.problems.append(Problem(*place, f"{section}.{name}", value, requirement, remedy))
+
+    def warn(self, section: str, name: str, text: str) -> None:
+        """Add a warning, placed likewise."""
+        file, line = self._place(section, name)
+        place = file if line is None else f"{file}:{line}"
+        self.warnings.append(f"{place}: {section}.{name}: {text}")
+
+    def _place(self, section: str, name: str) -> tuple[str, int | None]:
         entry = self.given.get(section, {}).get(name)
-        file, line = (entry.file, entry.line) if entry else (self.source, None)
-        key = f"{section}.{name}"
-        self.problems.append(Problem(file, line, key, value, requirement, remedy))
+        return (entry.file, entry.line) if entry else (self.source, None)
 
 
 def check_values(given: Given, source: str, problems: list[Problem]) -> Checked:

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.checked import Checked
 from spacecraft_gnc.scenario.pointing_cones import (
     Cone,
@@ -77,8 +78,18 @@ def zones_of(checked: Checked) -> list[Cone]:
     return zones
 
 
+def _are_soft(checked: Checked) -> bool:
+    """Tell whether zones are terms of the cost, which a flight may violate on its way out."""
+    is_hard = checked.get("reference_governor", "governor") in ("attitude", None)
+    method = str(checked.get(_CONTROLLER, "method"))
+    return not is_hard and "torque_penalty" in registry.traits(method).reads
+
+
 def _complain_of_attitude(checked: Checked, what: str, zone: Cone, angle: float) -> None:
-    """Blame the attitude where it was given, else the zone that the default lies in."""
+    """Blame the attitude where it was given, else the zone that the default lies in.
+
+    A start inside a soft zone is told only: the penalty drives the flight out.
+    """
     place = section, name = _ATTITUDES[what]
     stands = f"the {what} at which the body axis is {angle:.6g} deg from the axis of the cone"
     value = f"{shown(checked.get(section, name))}, {stands}"
@@ -87,6 +98,10 @@ def _complain_of_attitude(checked: Checked, what: str, zone: Cone, angle: float)
         value = f"{_degrees(zone)} deg, with {section}.{name} {value}"
     bound, change = ("at least", "shrink") if zone.is_exclusion else ("at most", "widen")
     need = f"{bound} {_degrees(zone)} deg ({zone.kind} zone {zone.name!r})"
+    if what == "start" and _are_soft(checked):
+        text = f"{value}; required {need}; the zone is soft: the flight begins inside and leaves it"
+        checked.warn(*place, text)
+        return
     checked.complain(*place, value, need, f"choose another {what}, or {change} the cone")
 
 

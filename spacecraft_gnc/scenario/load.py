@@ -221,7 +221,7 @@ def _scenario(
         path=source,
         sections={section: unflatten(values) for section, values in sections.items()},
         values=checked.values,
-        warnings=tuple(warnings),
+        warnings=(*warnings, *checked.warnings),
     )
 
 

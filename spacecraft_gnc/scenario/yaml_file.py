@@ -131,6 +131,11 @@ class _Reader:
         found: dict[str, Entry] = {}
         for key, value in self._items(node, _joined(section, prefix)):
             name = _joined(prefix, key)
+            if isinstance(value, yaml.MappingNode) and not value.value:
+                need = "a value (ROS 2 stumbles over an empty mapping)"
+                remedy = "write one, or remove the key"
+                self._complain(value, _joined(section, name), "{}", need, remedy)
+                continue
             if isinstance(value, yaml.MappingNode):
                 new = self.parameters(value, section, name)
             else:

@@ -25,6 +25,13 @@ class _Loader(yaml.SafeLoader):
             return _PLAIN if implicit[0] else _QUOTED
         return super().resolve(kind, value, implicit)  # type: ignore[no-untyped-call]
 
+    def process_directives(self) -> Any:
+        value = super().process_directives()  # type: ignore[no-untyped-call]
+        if self.yaml_version not in (None, (1, 1)):
+            mark = self.peek_token().start_mark  # type: ignore[no-untyped-call]
+            raise yaml.MarkedYAMLError(problem="ROS 2 reads YAML 1.1", problem_mark=mark)
+        return value
+
     def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.AliasEvent):
             mark = self.peek_event().start_mark  # type: ignore[no-untyped-call]

@@ -51,6 +51,22 @@ def test_check_names_what_a_method_has_and_what_a_governor_keeps(
     assert rows["governor"] == "attitude, torque limit 0.02 N m"
 
 
+IN_A_ZONE = ("gupta2015_case2", "--set", "plant.initial_rotation_vector=[0.0, 0.0, 0.4]")
+
+
+@pytest.mark.parametrize("command", ["check", "simulate"])
+def test_a_start_inside_a_soft_zone_is_told(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, _, err = run(capsys, command, *IN_A_ZONE, *SHORT)
+    assert code == 0
+    (line,) = err.splitlines()
+    assert line.startswith("warning: --set: plant.initial_rotation_vector: [0.0, 0.0, 0.4], the st")
+    _, out, err = run(capsys, command, *IN_A_ZONE, *SHORT, "--json")
+    assert json.loads(out)["warnings"] == [line.removeprefix("warning: ")]
+    assert err == ""
+
+
 def test_check_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "check", CASE_1, "--json", *SHORT)
     result = json.loads(out)

@@ -23,14 +23,20 @@ def zone(kind: str, body_axis: list[float], inertial_axis: list[float], half: fl
     }
 
 
-def scenario(zones: dict[str, Any], **plant: Any) -> Scenario:
-    controller = {"zone_names": list(zones), "zones": zones}
-    return from_sections({"plant": {"inertia": INERTIA, **plant}, "nmpc_controller": controller})
+def scenario(
+    zones: dict[str, Any], sections: dict[str, Any] | None = None, **plant: Any
+) -> Scenario:
+    others = sections or {}
+    own = {"zone_names": list(zones), "zones": zones, **others.get("nmpc_controller", {})}
+    plant = {"inertia": INERTIA, **plant}
+    return from_sections({**others, "plant": plant, "nmpc_controller": own})
 
 
-def refused(zones: dict[str, Any], **plant: Any) -> list[str]:
+def refused(
+    zones: dict[str, Any], sections: dict[str, Any] | None = None, **plant: Any
+) -> list[str]:
     with pytest.raises(InvalidScenario) as error:
-        scenario(zones, **plant)
+        scenario(zones, sections, **plant)
     return [problem.key.rpartition("zones.")[2] for problem in error.value.problems]
 
 
@@ -38,22 +44,47 @@ def test_case_2_as_printed_can_fly() -> None:
     assert scenario({"star": CASE_2}, initial_rotation_vector=[0.0, 0.0, 0.5]).n_steps == 375
 
 
-def test_case_2_started_inside_the_zone() -> None:
+INSIDE = {"initial_rotation_vector": [0.0, 0.0, 0.4]}
+AT_THE_START = (
+    "[0.0, 0.0, 0.4], the start at which the body axis is 0.980717 deg from the axis of the cone"
+)
+KEPT = "at least 4.9965 deg (exclusion zone 'star')"
+HARD = {
+    "governor": {"reference_governor": {"governor": "attitude"}},
+    "governor, feedback": {
+        "reference_governor": {"governor": "attitude"},
+        "nmpc_controller": {"method": "feedback"},
+    },
+    "terminal set": {"nmpc_controller": {"method": "terminal_set"}},
+    "nobody keeps it": {"nmpc_controller": {"method": "feedback"}},
+}
+
+
+@pytest.mark.parametrize("sections", HARD.values(), ids=HARD)
+def test_a_start_inside_a_hard_zone_is_refused(sections: dict[str, Any]) -> None:
     with pytest.raises(InvalidScenario, match="initial_rotation_vector") as error:
-        scenario({"star": CASE_2}, initial_rotation_vector=[0.0, 0.0, 0.4])
-    (problem,) = error.value.problems
-    assert problem.value == (
-        "[0.0, 0.0, 0.4], the start at which the body axis is 0.980717 deg from the axis of the "
-        "cone"
-    )
-    assert problem.requirement == "at least 4.9965 deg (exclusion zone 'star')"
+        scenario({"star": CASE_2}, sections, **INSIDE)
+    problem = error.value.problems[0]
+    assert problem.value == AT_THE_START
+    assert problem.requirement == KEPT
     assert problem.remedy == "choose another start, or shrink the cone"
+
+
+@pytest.mark.parametrize("method", ["shooting", "neighboring_extremal", "slsqp", "fsolve"])
+def test_a_start_inside_a_soft_zone_is_told(method: str) -> None:
+    sections = {"nmpc_controller": {"method": method}}
+    (warning,) = scenario({"star": CASE_2}, sections, **INSIDE).warnings
+    assert warning == (
+        f"parameters: plant.initial_rotation_vector: {AT_THE_START}; required {KEPT}; the zone is "
+        "soft: the flight begins inside and leaves it"
+    )
 
 
 def test_a_start_left_at_its_default_is_told_at_the_zone() -> None:
     keys = refused({"a": zone("inclusion", X, Y, 30.0)}, initial_rotation_vector=[0.0, 0.0, 1.5])
     assert keys == ["a.half_angle_deg"]  # the target, at its default
-    keys = refused({"a": zone("exclusion", X, X, 30.0)})
+    hard = {"nmpc_controller": {"method": "terminal_set"}}
+    keys = refused({"a": zone("exclusion", X, X, 30.0)}, hard)
     assert keys == ["a.half_angle_deg", "a.half_angle_deg"]
 
 

@@ -284,6 +284,21 @@ def test_read_sections_reports_what_ros_could_not_read(tmp_path: Path) -> None:
         read_sections(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("plant: {ros__parameters: }", "'name: value' lines beneath ros__parameters"),
+        ("plant: {ros__parameters: {plugin: {a: {}, b: 1}}}", r"plant\.plugin\.a: received {}"),
+        ("%YAML 1.2\n---\nplant: {ros__parameters: {}}", r":2: received .*YAML 1\.1"),
+    ],
+)
+def test_what_ros_refuses_is_refused(text: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "a.yaml"
+    path.write_text(text)
+    with pytest.raises(InvalidScenario, match=words):
+        read_sections(path)
+
+
 @given(st.floats(1e-6, 1e3), st.integers(1, 10**6))
 def test_whole_multiples_are_recognised(step: float, count: int) -> None:
     assert steps_in(step * count, step) == count
