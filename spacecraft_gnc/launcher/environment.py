@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
 from collections.abc import Mapping, MutableMapping
 from pathlib import Path
 from typing import ClassVar, Final
@@ -18,12 +20,21 @@ _LARGEST_DOMAIN = 232  # UDP ports end at 65535
 _DISCOVERY_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 _TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
+_MIDDLEWARE = "RMW_IMPLEMENTATION"
+_INDEX = Path("share", "ament_index", "resource_index", "rmw_typesupport")
+_SELECTOR = "rmw_implementation"  # listed there, and loads one of the others
 _FOLDER = Path(__file__).parent.parent / "nodes"
 _ON_THIS_MACHINE = _FOLDER / "fastdds_profile.xml"
 _FARTHER = _FOLDER / "fastdds_discovery.xml"
 # The ROS wheels set both or neither; a process with the first alone cannot import rclpy.
 _BOOTSTRAPPED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 _LIBRARY_PATH = "LD_LIBRARY_PATH"
+
+
+class MiddlewareMissing(LaunchError):
+    """RMW_IMPLEMENTATION names no middleware that is installed."""
+
+    exit_code: ClassVar[int] = 2
 
 
 class DomainRefused(LaunchError):
@@ -47,6 +58,25 @@ def prepare(environment: MutableMapping[str, str]) -> None:
     else:
         environment.setdefault(_TRANSPORTS, "UDPv4")
         environment[_PROFILES[0]] = str(_FARTHER)
+
+
+def require_middleware(environment: Mapping[str, str]) -> None:
+    """Refuse a middleware that is not installed: rclpy would end the process when imported.
+
+    Raises
+    ------
+    MiddlewareMissing
+        If RMW_IMPLEMENTATION names one that no install prefix lists.
+    """
+    wanted = environment.get(_MIDDLEWARE)
+    prefixes = [*environment.get("AMENT_PREFIX_PATH", "").split(os.pathsep), sys.prefix]
+    found = {file.name for prefix in prefixes if prefix for file in Path(prefix, _INDEX).glob("*")}
+    installed = sorted(found - {_SELECTOR})
+    if wanted and installed and wanted not in installed:
+        raise MiddlewareMissing(
+            f"{_MIDDLEWARE}: received {wanted!r}; required a middleware that is installed "
+            f"({', '.join(installed)}); unset it, or install {wanted}"
+        )
 
 
 def domain_id(environment: Mapping[str, str]) -> int:

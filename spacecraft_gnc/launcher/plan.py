@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.launcher.environment import require_middleware
 from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.checked import plain_values
@@ -104,6 +105,8 @@ def make_plan(
         The scenario cannot be flown.
     LaunchRefused
         The folder cannot be used, or there is no plant to fly.
+    MiddlewareMissing
+        ROS 2 could not start.
     """
     path = find(path)
     _require_utf8(path, out)
@@ -115,6 +118,7 @@ def make_plan(
             f"owns simulated time; use {list(NODE_NAMES)}"
         )
     scenario.check_cores()
+    require_middleware(os.environ)
     folder = _make_folder(path, out)
     peers = [node for node in nodes if node != PLANT]
     changes: dict[str, Any] = {}

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from spacecraft_gnc.launcher.environment import MiddlewareMissing
 from spacecraft_gnc.launcher.plan import LaunchRefused, make_plan
 from spacecraft_gnc.scenario import InvalidScenario, from_sections, read_sections
 
@@ -69,3 +73,52 @@ def test_a_name_that_ros_cannot_take_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LaunchRefused, match="required UTF-8"):
         make_plan(CASE1, out=tmp_path / latin)
     assert not any(tmp_path.iterdir())
+
+
+@pytest.fixture
+def no_middleware(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Name a middleware that is not installed; return how that is refused."""
+    index = tmp_path / "share" / "ament_index" / "resource_index" / "rmw_typesupport"
+    index.mkdir(parents=True)
+    for name in ("rmw_fastrtps_cpp", "rmw_implementation"):
+        (index / name).touch()
+    monkeypatch.setattr(sys, "prefix", "/nowhere")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f":{tmp_path}")
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_none_cpp")
+    return (
+        "RMW_IMPLEMENTATION: received 'rmw_none_cpp'; required a middleware that is installed "
+        "(rmw_fastrtps_cpp); unset it, or install rmw_none_cpp"
+    )
+
+
+def test_a_missing_middleware_is_told_before_a_folder_is_made(
+    no_middleware: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(MiddlewareMissing, match=re.escape(no_middleware)):
+        make_plan(CASE1, out=Path("run"))
+    assert not Path("run").exists()
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
+    assert make_plan(CASE1, out=Path("run")).out.is_dir()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("nodes.plant",), ("cli.main", "inspect", "nodes"), ("cli.main", "launch", str(CASE1))],
+    ids=["node", "inspect", "launch"],
+)
+def test_a_process_without_its_middleware_ends_with_one_line(
+    words: tuple[str, ...], no_middleware: str
+) -> None:
+    module, *arguments = words
+    ended = subprocess.run(
+        [sys.executable, "-m", f"spacecraft_gnc.{module}", *arguments],
+        env=os.environ | {"PYTHONPATH": str(CASE1.parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert (ended.returncode, ended.stdout) == (2, "")
+    (line,) = ended.stderr.splitlines()
+    assert line.startswith("error: RMW_IMPLEMENTATION: received 'rmw_none_cpp'; required a midd")
+    assert not Path("runs").exists()
