@@ -60,7 +60,7 @@ def test_parameters_are_declared_with_unit_range_and_description(ros: Any) -> No
     node = ros.add(PlantNode())
     client = ros.add(Node("client"))
     node.trigger_configure()
-    names = ["duration", "inertia", "peers"]
+    names = ["command_timeout", "inertia", "peers"]
     request = DescribeParameters.Request(names=names)
     found = call(ros, client, DescribeParameters, "plant/describe_parameters", request).descriptors
     assert [d.name for d in found] == names
