@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _STEPS: Final = re.compile(r"(\d*):(\d*)")
 _CONTROLLER: Final = "nmpc_controller"
+_COUNTS: Final = 1e-3  # share of the largest difference of the costs
 
 
 class Solving(NamedTuple):
@@ -197,12 +198,18 @@ def _differences(m: dict[str, Any], period: float) -> list[tuple[str, str]]:
     rows.append(("torque difference", torque))
     if m["cost_difference_max"] is None:
         rows.append(("cost difference", "-, no plans to compare by the recorded problem"))
-    elif m["penalty_max"] is None or m["penalty_max"] <= 0.0:
+    elif not _penalties_count(m):
         rows.append(("cost difference", _at(m, "cost_difference", "", period)))
     else:
         without = f"{_at(m, 'plain_cost_difference', '', period)}, without penalties"
         rows += [("cost difference", without), ("penalties", _penalties(m, period))]
     return rows
+
+
+def _penalties_count(m: dict[str, Any]) -> bool:
+    """Tell whether a penalty is so large beside the cost that it would blur the comparison."""
+    penalty, plain = m["penalty_max"], m["plain_cost_difference_max"]
+    return penalty is not None and plain is not None and penalty > _COUNTS * abs(plain)
 
 
 def _penalties(m: dict[str, Any], period: float) -> str:
