@@ -131,7 +131,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     if m["stalled_steps"]:
         rows.append(("steps at a standstill", f"{m['stalled_steps']}, away from the target"))
     if m["escaping_steps"]:
-        text = f"{m['escaping_steps']} steps, by a small torque added to the optimal one"
+        text = f"{m['escaping_steps']}, by a small torque added to the optimal one"
         rows.append(("standstill escapes", text))
     if m["inadmissible_steps"]:
         text = f"no reference was admissible at {m['inadmissible_steps']} of {m['steps']} steps"

@@ -144,7 +144,7 @@ def test_the_summary_tells_of_a_standstill() -> None:
     assert not labels & dict(module.summary_rows(metrics)).keys()
     rows = dict(module.summary_rows({**metrics, "stalled_steps": 3, "escaping_steps": 2}))
     assert rows["steps at a standstill"].startswith("3,")
-    assert rows["standstill escapes"].startswith("2 steps, ")
+    assert rows["standstill escapes"].startswith("2, by a small torque")
 
 
 def test_the_summary_tells_where_a_governor_stopped_and_what_it_could_not_keep() -> None:
