@@ -102,10 +102,7 @@ def create(group: str, name: str, scenario: Any) -> Any:
         If the core refuses the scenario.
     """
     problem = _Problems(scenario.path, group, name)
-    target, factory = _load(group, name, problem)
-    build = getattr(factory, "from_scenario", None)
-    if build is None:
-        raise problem.broken(target, "no class method from_scenario(scenario)")
+    target, build = _factory(group, name, problem)
     try:
         return build(scenario)
     except GncError:
@@ -114,6 +111,26 @@ def create(group: str, name: str, scenario: Any) -> Any:
         if name in BUILT_IN[group]:  # a defect of ours: keep the traceback
             raise
         raise problem.broken(target, f"{type(error).__name__}: {error}") from error
+
+
+def require_plugin(group: str, name: str, path: str) -> None:
+    """Import what is behind the name of a plug-in, as `create` does before it builds the core.
+
+    Raises
+    ------
+    InvalidScenario
+        If the plug-in is broken.
+    """
+    if name not in BUILT_IN[group]:
+        _factory(group, name, _Problems(path, group, name))
+
+
+def _factory(group: str, name: str, problem: _Problems) -> tuple[str, Any]:
+    target, factory = _load(group, name, problem)
+    build = getattr(factory, "from_scenario", None)
+    if build is None:
+        raise problem.broken(target, "no class method from_scenario(scenario)")
+    return target, build
 
 
 class _Problems(NamedTuple):

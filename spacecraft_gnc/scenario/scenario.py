@@ -140,6 +140,8 @@ class Scenario:
         GncError
             As `build_controller` and `build_governor` do.
         """
+        registry.require_plugin("plants", self.plant.vehicle, self.path)
+        registry.require_plugin("controllers", self.controller.method, self.path)
         if self.traits.refuses_starts:
             self.build_controller()
         if self.governor.governor != "none":

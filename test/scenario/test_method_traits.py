@@ -12,7 +12,7 @@ import pytest
 import typer.testing
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.cli.main import app
+from spacecraft_gnc.cli.main import app, main
 from spacecraft_gnc.loop import Command, Reference, State
 from spacecraft_gnc.loop.traits import MethodTraits
 from spacecraft_gnc.scenario import Scenario, registry
@@ -107,6 +107,17 @@ def test_what_a_method_declares_is_told() -> None:
 def test_a_method_that_is_not_here_declares_nothing() -> None:
     assert registry.traits("gone") == MethodTraits()
     assert registry.traits("never_heard_of") == MethodTraits()
+
+
+def test_a_check_refuses_one_that_cannot_be_imported(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["check", CASE, "--set", "nmpc_controller.method=gone"])
+    out, err = capsys.readouterr()
+    assert out == ""
+    (line,) = err.splitlines()
+    assert "a plug-in (no_such_module_here:Gone) that fails with ModuleNotFoundError" in line
 
 
 def test_a_report_tells_no_horizon_of_it(tmp_path: Path) -> None:
