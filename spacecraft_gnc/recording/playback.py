@@ -39,6 +39,7 @@ _CLOCK_RANK: Final = _RANKS["clock"]
 _CLOCK_LAYOUT: Final = struct.Struct("<4siI")  # encapsulation, seconds, nanoseconds
 _LITTLE_ENDIAN_CDR: Final = b"\x00\x01\x00\x00"
 _NS_PER_S: Final = 1_000_000_000
+_MOST_SECONDS: Final = 2**31  # of builtin_interfaces/Time
 _CLOCK_QOS: Final = QosProfile()
 _UNKNOWN_DEPTH: Final = 100  # discovery does not tell depths: other recorders write 0
 
@@ -172,6 +173,12 @@ class Playback:
         if self.ticks:
             keys.append((min(keys)[0], _CLOCK_RANK, len(messages)))
             seconds, nanoseconds = divmod(time_ns, _NS_PER_S)
+            if seconds >= _MOST_SECONDS:
+                raise RecordingError(
+                    f"{self._bag.path}: received a message of log time {seconds} s; required less "
+                    f"than {_MOST_SECONDS} s, which a ROS clock can tell; the log time was "
+                    "recorded so: record again"
+                )
             tick = _CLOCK_LAYOUT.pack(_LITTLE_ENDIAN_CDR, seconds, nanoseconds)
             messages = [*messages, (CLOCK, tick)]
         return [messages[key[2]] for key in sorted(keys)]

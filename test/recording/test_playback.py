@@ -148,3 +148,12 @@ def test_several_publishers_are_served_by_the_strongest_offer():
     assert (both.deadline_ns, both.lifespan_ns) == (10**9, QosProfile().lifespan_ns)
     assert strongest([]) == QosProfile()
     assert strongest([QosProfile(history="unknown", depth=0)]).depth == 100
+
+
+def test_a_log_time_that_no_clock_can_tell(tmp_path):
+    (topic, _, data), *_ = flight_messages(random_flight(1))
+    with BagWriter(tmp_path / "bag") as bag:
+        announce(bag)
+        bag.write(f"/{topic}", 2**31 * 10**9, 0, data)
+    with pytest.raises(RecordingError, match="received a message of log time 2147483648 s; requ"):
+        play(tmp_path / "bag")

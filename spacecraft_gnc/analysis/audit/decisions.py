@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 BUILT_IN: Final = ("none", "attitude")
 _DECISION: Final = "decision of the governor"
 _CONSTRAINT: Final = "active_constraint"
-_NEEDED: Final = (STATE, REFERENCE, GOVERNOR_STATUS, ACCEPTED_TARGET)
+_ANSWERED: Final = (STATE, REFERENCE, GOVERNOR_STATUS)
+_NEEDED: Final = (*_ANSWERED, ACCEPTED_TARGET)
 _MEASURES: Final = ("alpha", "margin", "admissible")
 _COUNTS: Final = ("evaluations", "violation_step", "horizon", "waypoints")
 _FIELDS: Final = {
@@ -66,6 +67,7 @@ def _not_asked(evidence: Evidence) -> str:
         return f"governor {kind} is a plug-in's, which may remember more than its states"
     recorded = flight_topics(evidence.bag, _NEEDED, evidence.namespace)
     missing = set(_NEEDED) - set(recorded.values())
+    missing |= {name for name in _ANSWERED if not evidence.columns[name].steps.size}
     if missing:
         return f"not recorded: {', '.join(sorted(missing))}"
     losses = evidence.bag.metadata().get(LOSSES_RECORD, {})
@@ -85,7 +87,7 @@ class _Inquiry:
 
     def __init__(self, evidence: Evidence, governor: Governor, tolerance: float | None) -> None:
         self._governor = governor
-        self._steps = steps = evidence.common(STATE, REFERENCE, GOVERNOR_STATUS)
+        self._steps = steps = evidence.common(*_ANSWERED)
         self._attitudes = evidence.rows(STATE, "attitude", steps).reshape(-1, 3, 3)
         self._momenta = evidence.rows(STATE, "angular_momentum", steps)
         status = evidence.columns[GOVERNOR_STATUS]

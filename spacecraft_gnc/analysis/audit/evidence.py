@@ -36,6 +36,14 @@ KEPT: Final = (
 )  # fmt: skip
 LEADING: Final = (STATE, INVARIANTS)
 """Topics that tell of the end of the last step, too."""
+_SHAPES: Final = {
+    "attitude": (9,),
+    "angular_momentum": (3,),
+    "angular_velocity": (3,),
+    "torque": (3,),
+    "applied_torque": (3,),
+}
+"""Shape of a field of which no message was recorded; any other is a number."""
 
 Progress = Callable[[int, int], None]
 
@@ -72,7 +80,7 @@ class Evidence:
     def rows(self, topic: str, name: str, steps: NDArray[np.int64]) -> Array:
         """Return values of a field (m, ...) at steps (m,); NaN where one was not recorded."""
         columns = self.columns[topic]
-        values = columns.fields[name]
+        values = columns.fields.get(name, np.empty((0, *_SHAPES.get(name, ()))))
         found = np.full((len(steps), *values.shape[1:]), np.nan)
         places = np.searchsorted(columns.steps, steps)
         there = places < columns.steps.size
