@@ -93,8 +93,6 @@ class BagWriter:
         )
         with self._saving():
             self._mcap.start(profile="ros2", library=f"spacecraft_gnc {__version__}")
-            # A reader that meets this file without metadata.yaml learns the bag version here.
-            self._add_rosbag2_record()
 
     def add_topic(
         self,
@@ -212,7 +210,9 @@ class BagWriter:
         self.flush()
         self._add_losses()
         with self._saving() as file:
-            self._add_rosbag2_record()
+            # Once, at the end: readers join records of one name, or take any of them.
+            text = dump(self._summary().information())
+            self._mcap.add_metadata(ROSBAG2_RECORD, {"serialized_metadata": text})
             self._mcap.finish()  # type: ignore[no-untyped-call]
             file.sync()
         try:
@@ -289,10 +289,6 @@ class BagWriter:
         """Say what is missing; a later record of this name replaces an earlier one."""
         self.metadata(LOSSES_RECORD, {name: str(t.lost) for name, t in self._topics.items()})
         self._losses_changed = False
-
-    def _add_rosbag2_record(self) -> None:
-        text = dump(self._summary().information())
-        self._mcap.add_metadata(ROSBAG2_RECORD, {"serialized_metadata": text})
 
     def _summary(self) -> BagSummary:
         topics = [topic.summary(name) for name, topic in self._topics.items()]
