@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Vector3Stamped
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from spacecraft_gnc_msgs.msg import (
@@ -39,6 +39,7 @@ _REFERENCE = Layout(AttitudeReference(header=_INERTIAL))
 _TORQUE = Layout(TorqueCommand(header=_BODY))
 _INVARIANTS = Layout(PlantInvariants(header=_INERTIAL))
 _POSE = Layout(PoseStamped(header=_INERTIAL))
+_ERROR = Layout(Vector3Stamped(header=_BODY))
 _CLOCK = Layout(Clock())
 _WALL_TIMING = Layout(WallTiming())
 
@@ -184,6 +185,15 @@ def encode_pose(stamp: Stamp, state: State) -> bytes:
     """Serialize a PoseStamped at the origin of the inertial frame."""
     quaternion = lie.to_quaternion_xyzw(state.attitude).tolist()
     return _POSE.pack([*stamp, 0.0, 0.0, 0.0, *quaternion])
+
+
+def encode_attitude_error(stamp: Stamp, state: State, reference: Reference) -> bytes:
+    """Serialize the rotation vector of R_ref' R as a Vector3Stamped, body frame [rad].
+
+    Its length is the angle from the reference to the attitude.
+    """
+    error = lie.log(reference.attitude.T @ state.attitude)
+    return _ERROR.pack([*stamp, *error.tolist()])
 
 
 def encode_clock(stamp: Stamp) -> bytes:

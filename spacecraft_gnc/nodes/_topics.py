@@ -10,7 +10,7 @@ from collections.abc import Collection
 from typing import Any, Final, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Vector3Stamped
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock
 from spacecraft_gnc_msgs.msg import (
@@ -105,6 +105,8 @@ ACCEPTED_TARGET: Final = Topic("accepted_target", AttitudeReference, (GOVERNOR,)
 """A target that the governor took in flight, and the step from which on it counts."""
 TORQUE: Final = Topic("torque_command", TorqueCommand, (CONTROLLER,), (PLANT,))
 SOLVER_STATUS: Final = Topic("solver_status", SolverStatus, (CONTROLLER,), ())
+ATTITUDE_ERROR: Final = Topic("attitude_error", Vector3Stamped, (CONTROLLER,), ())
+"""From the reference to the attitude, of each step that was answered: for viewers."""
 GOVERNOR_STATUS: Final = Topic("governor_status", GovernorStatus, (GOVERNOR,), ())
 INVARIANTS: Final = Topic("plant_invariants", PlantInvariants, (PLANT,), ())
 POSE: Final = Topic("pose", PoseStamped, (PLANT,), ())
@@ -128,6 +130,7 @@ TOPICS: Final = (
     ACCEPTED_TARGET,
     TORQUE,
     SOLVER_STATUS,
+    ATTITUDE_ERROR,
     GOVERNOR_STATUS,
     INVARIANTS,
     POSE,

@@ -16,6 +16,7 @@ from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._status import SolverStatusEncoder
 from spacecraft_gnc.nodes._topics import (
+    ATTITUDE_ERROR,
     CONTROLLER,
     REFERENCE,
     SOLVER_STATUS,
@@ -70,6 +71,7 @@ class ControllerNode(GncNode):
         """Create the endpoints."""
         self._publish_torque = self.advertise(TORQUE).publish
         self._publish_status = self.advertise(SOLVER_STATUS).publish
+        self._publish_error = self.advertise(ATTITUDE_ERROR).publish
         self._publish_wall_status = self.advertise(WALL_STATUS).publish
         self._markers = self.advertise(ZONE_MARKERS)
         self.listen(STATE, self._on_state)
@@ -177,6 +179,7 @@ class ControllerNode(GncNode):
         now = time.perf_counter()
         wall = (now - job.begun, self._wall_period - (now - job.arrival))
         self._publish_status(self._status.encode(job.stamp, job.state.step, command, wall))
+        self._publish_error(convert.encode_attitude_error(job.stamp, job.state, job.reference))
 
     def _repeat(self) -> None:
         if self._state is None:

@@ -32,6 +32,7 @@ _CAUSES: Final = (
     "governor_status",
     "torque_command",
     "solver_status",
+    "attitude_error",
 )
 """Last parts of the topics' names in the order in which a step publishes them; others follow."""
 _RANKS: Final = {name: rank for rank, name in enumerate(_CAUSES)}

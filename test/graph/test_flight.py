@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from graph.comparison import assert_equals_simulation
+from live.layout import require_filled, shown
 from rosbags.highlevel import AnyReader
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.recording.reader import read_flight
 
@@ -58,12 +60,27 @@ def test_two_launches_and_a_composed_one_are_identical(graph: Any) -> None:
         "pose": 51,
         "torque_command": 50,
         "solver_status": 50,
+        "attitude_error": 50,
         "clock": 50,
         "zone_markers": 1,
     }
     assert payloads(second / "bag") == expected
     assert payloads(third / "bag") == expected
     assert_equals_simulation(first / "bag", SHORT)
+    require_filled(first / "bag")
+    require_attitude_error(first / "bag")
+
+
+def require_attitude_error(bag: Path) -> None:
+    """Check the first panel of the layout: how far the attitude is from the reference."""
+    series = shown(bag)["Plot!error"]
+    told = np.array([[value for _, value in series[path]] for path in sorted(series)]).T
+    flown = read_flight(bag).trajectory
+    expected = [
+        lie.log(R_ref.T @ R) for R_ref, R in zip(flown.reference, flown.attitude, strict=True)
+    ]
+    np.testing.assert_allclose(told, expected, rtol=0.0, atol=1e-15)
+    assert np.linalg.norm(told[0]) == pytest.approx(0.75)  # [rad] of Case I at its start
 
 
 def test_case_1(graph: Any) -> None:

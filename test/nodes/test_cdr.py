@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Vector3Stamped
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
@@ -58,6 +58,7 @@ PROTOTYPES = {
     "invariants": plain(PlantInvariants),
     "timing": plain(WallTiming),
     "pose": plain(PoseStamped),
+    "attitude error": plain(Vector3Stamped),
     "governor": lambda f: GovernorStatus(header=Header(frame_id=f), active_constraint="a zone"),
     "solver": solver_status,
     "solver without a solve": lambda f: SolverStatus(header=Header(frame_id=f), method="x"),
