@@ -73,7 +73,9 @@ class _Output(io.FileIO):
 
     def write(self, data: Any) -> int:
         """Write ``data``; return the number of bytes written."""
-        if self._failed:  # what is left in the buffer when it is closed
+        # An empty write is a question of what a stream takes; after a failure it is the rest of a
+        # buffer that is being closed.
+        if self._failed or not len(data):
             return len(data)
         try:
             return super().write(data)

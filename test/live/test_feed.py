@@ -117,3 +117,21 @@ def test_nothing_that_is_not_finite_reaches_the_page() -> None:
     text = b"".join(e.encode() for e in islice(event.events(), 3)).decode()
     assert "NaN" not in text
     assert "Infinity" not in text
+
+
+def test_a_recording_begins_when_its_first_watcher_comes() -> None:
+    wall = Wall()
+    flight = recorded(wall, begun=False)
+    feed = Feed(flight)
+    feed.tick()
+    wall.now += 50.0
+    assert (flight.picture().phase, flight.picture().step) == (Phase.PAUSED, 0)
+    first = feed.events()
+    feed.tick()
+    next(first)
+    wall.now += 10.1
+    assert (flight.picture().phase, flight.picture().step) == (Phase.PLAYING, 25)
+    second = feed.events()
+    feed.tick()
+    next(second)
+    assert flight.picture().step == 25

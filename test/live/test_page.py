@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields, replace
 
+import numpy as np
 import pytest
+from analysis.flights import case1
 from browser import console_errors, requested_urls, wait_until
 from live.watching import Stage
 
@@ -19,7 +22,50 @@ for (let i = 0; i < data.length; i += 4) {
 }
 return colours.size;
 """
-CANVASES = ("scene", "torque", "error", "momentum", "source")
+CANVASES = {"scene": 5, "torque": 5, "error": 5, "momentum": 5, "source": 3}
+"""With the number of colours that each has at least."""
+LONGEST = {
+    "error_deg": 179.9,
+    "target_error_deg": 179.9,
+    "source": "neighboring extremal",
+    "margins_deg": {"star": -12.34, "sun_keep_out_of_the_star_tracker": -123.4},
+    "solve": {
+        "status": "line search failed",
+        "iterations": 123,
+        "residual": 1e-10,
+        "curvature": 1e-3,
+        "solve_time": 0.0123,
+    },
+    "decision": {
+        "alpha": 0.1234,
+        "margin": 1.2e-5,
+        "constraint": "sun_keep_out_of_the_star_tracker",
+        "admissible": False,
+    },
+    "timing": {
+        "speed": 12.3,
+        "latency": 0.0123,
+        "slack": -0.0123,
+        "missed": 6000,
+        "rejected": 123,
+    },
+}
+"""The longest words that the status card can show."""
+CUT = """
+const frame = arguments[0];
+return import("./status.js").then((status) => {
+  status.showNumbers({...view.state.frame, ...frame}, {...view.state.setup, governor: "attitude"});
+  const card = document.getElementById("numbers");
+  const edge = card.getBoundingClientRect();
+  const rows = [...card.querySelectorAll("dt, dd")];
+  const cut = rows.filter((row) => {
+    const box = row.getBoundingClientRect();
+    const wide = row.scrollWidth > row.clientWidth + 1;
+    return wide || box.right > edge.right || box.bottom > edge.bottom;
+  });
+  return [rows.length, cut.map((row) => row.textContent), edge.height];
+});
+"""
 
 
 @pytest.fixture
@@ -62,8 +108,8 @@ def test_it_receives_every_frame_and_draws_without_an_error(page, stage) -> None
     assert numbers == list(range(numbers[0], 22))
     assert len(state(page, "rows")) == 375
     assert state(page, "frame.time") == pytest.approx(20.0)  # twenty tenths at ten times real time
-    for name in CANVASES:
-        assert page.execute_script(INK, name) > 5, f"{name} is empty"
+    for name, least in CANVASES.items():
+        assert page.execute_script(INK, name) > least, f"{name} is empty"
     assert console_errors(page) == []
     assert {url.split("/")[2].split(":")[0] for url in requested_urls(page)} == {"127.0.0.1"}
 
@@ -157,6 +203,62 @@ def test_nothing_is_wider_than_a_phone(stage, browser) -> None:
             "return [document.documentElement.scrollWidth, window.innerWidth]"
         )
     assert widths == [360, 360]
+
+
+def resize(page, width: int, height: int) -> None:
+    metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+
+
+def test_the_status_card_is_never_cut(page, stage) -> None:
+    for width in (320, 400, 440, 600, 756, 820, 900, 1280):
+        resize(page, width, 800)
+        rows, cut, height = page.execute_script(CUT, LONGEST)
+        assert (rows, cut) == (38, []), width
+        assert height < 700.0
+
+
+def on_screen(page, name: str) -> list[float]:
+    """Return top and bottom [px] of an element in the window."""
+    script = "const r = document.getElementById(arguments[0]).getBoundingClientRect();"
+    return page.execute_script(f"{script} return [r.top, r.bottom]", name)
+
+
+def test_numbers_and_player_are_on_the_first_screen(page, stage) -> None:
+    tick_and_wait(stage, page)
+    for width, height in ((756, 900), (400, 800), (1280, 720)):
+        resize(page, width, height)
+        player, solver = on_screen(page, "player"), on_screen(page, "solver")
+        assert solver[1] <= player[0] < player[1] <= height, width
+
+
+def test_the_curves_of_a_long_flight_fill_their_charts(browser) -> None:
+    flown = case1()
+    n = 40 * len(flown.time)  # 6,000 s, at rest but for the first 150
+    still = {
+        field.name: np.concatenate([values, np.repeat(values[-1:], n - len(values), axis=0)])
+        for field in fields(flown)
+        if (values := getattr(flown, field.name)) is not None
+        and np.ndim(values) > 0
+        and len(values) == len(flown.time)
+    }
+    still["time"] = flown.period * np.arange(n)
+    stage = Stage(rate=50.0, trajectory=replace(flown, **still))
+    with PageServer(stage.feed, port=None) as server:
+        browser.get(server.url)
+        stage.tick()
+        wait_until(browser, lambda: state(browser, "drawn") > 0, "a frame is drawn")
+        assert state(browser, "span") == [0.0, 10.0]
+        for _ in range(20):
+            tick_and_wait(stage, browser)
+            start, end = state(browser, "span")
+            now = state(browser, "frame.time")
+            assert start == 0.0
+            assert 1.14 * now <= end <= max(1.75 * now, 10.0)
+        browser.find_element("id", "whole").click()
+        tick_and_wait(stage, browser)
+        assert state(browser, "span") == [0.0, pytest.approx(flown.period * (n - 1))]
+    assert console_errors(browser) == []
 
 
 def test_a_lost_connection_is_told_and_mended(stage, browser) -> None:

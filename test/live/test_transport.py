@@ -17,7 +17,31 @@ START, END = 2.0, 12.0  # [s]
 
 def make(rate=1.0):
     wall = Wall()
-    return wall, Transport(START, END, rate, wall)
+    transport = Transport(START, END, rate, wall)
+    transport.begin()
+    return wall, transport
+
+
+def test_it_stands_at_its_start_until_somebody_watches() -> None:
+    wall = Wall()
+    transport = Transport(START, END, 2.0, wall)
+    wall.now += 50.0
+    assert (transport.time(), transport.paused) == (START, True)
+    transport.begin()
+    wall.now += 3.0
+    assert transport.time() == pytest.approx(START + 6.0)
+    transport.pause()
+    transport.begin()  # a second watcher
+    assert transport.paused
+
+
+def test_what_was_paused_before_it_began_stays_so() -> None:
+    wall = Wall()
+    transport = Transport(START, END, 1.0, wall)
+    transport.pause()
+    transport.begin()
+    wall.now += 3.0
+    assert (transport.time(), transport.paused) == (START, True)
 
 
 def test_it_plays_at_its_rate_and_stops_at_the_end() -> None:

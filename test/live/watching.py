@@ -35,11 +35,14 @@ class Wall:
         return self.now
 
 
-def recorded(wall, rate=1.0, trajectory=None, **controller):
-    """Return Case I, flown by CasADi and IPOPT, as a recording at its start."""
+def recorded(wall, rate=1.0, trajectory=None, begun=True, **controller):
+    """Return Case I, flown by CasADi and IPOPT, as a recording that begins to play at once."""
     flown = case1() if trajectory is None else trajectory
     info = RunInfo(path=Path("case1"), scenario=scenario(zones=ZONE, max_torque=0.01, **controller))
-    return RecordedFlight(Flight(flown, info), "case1", rate, wall)
+    flight = RecordedFlight(Flight(flown, info), "case1", rate, wall)
+    if begun:
+        flight.transport.begin()
+    return flight
 
 
 def without_scenario(flight):
@@ -50,9 +53,9 @@ def without_scenario(flight):
 class Stage:
     """A feed of Case I whose ticks and whose wall clock a test drives."""
 
-    def __init__(self, rate=1.0):
+    def __init__(self, rate=1.0, trajectory=None):
         self.wall = Wall()
-        self.flight = recorded(self.wall, rate)
+        self.flight = recorded(self.wall, rate, trajectory)
         self.feed = Feed(self.flight)
 
     def tick(self, count=1):

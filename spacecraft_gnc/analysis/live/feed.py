@@ -94,11 +94,14 @@ class Feed:
     def events(self) -> Iterator[Event]:
         """Yield the events of one watcher, until the feed is closed.
 
-        First ``setup`` and ``history``, whenever they change; then a ``frame`` each tick. A watcher
-        that is too slow misses frames, but no sample of the history.
+        A recording begins to play when its first watcher comes. First ``setup`` and ``history``,
+        whenever they change; then a ``frame`` each tick. A watcher that is too slow misses frames,
+        but no sample of the history.
         """
         setup: Setup | None = None
         generation, count, number = -1, 0, 0
+        if self._flight.transport is not None:
+            self._flight.transport.begin()
         while True:
             with self._changed:
                 while not self._closed and self._number == number:

@@ -232,6 +232,8 @@ def play(
 ) -> None:
     """Publish the messages of a bag as their time comes, until ``stop``.
 
+    It begins when an app has subscribed to something.
+
     Parameters
     ----------
     playback
@@ -247,6 +249,8 @@ def play(
     moments: Iterator[Moment] = iter(())
     pending: Moment | None = None
     while not stop():
+        if server.subscribed:
+            transport.begin()
         now = playback.end_ns if transport.over else round(transport.time() * _NS_PER_S)
         jumped = jumps != transport.jumps
         if jumped:

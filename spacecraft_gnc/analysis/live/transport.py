@@ -15,7 +15,7 @@ FASTEST: Final = 1000.0
 
 
 class Transport:
-    """Simulated time of a recording.
+    """Simulated time of a recording, which stands at its start until `begin`.
 
     Parameters
     ----------
@@ -37,7 +37,15 @@ class Transport:
         self.jumps = 0
         self._wall = clock
         self._lock = threading.Lock()
-        self._clock = PlayClock(_checked(rate), False, start, clock())
+        self._begun = False
+        self._clock = PlayClock(_checked(rate), True, start, clock())
+
+    def begin(self) -> None:
+        """Start to play, for somebody has come to watch; nothing at a later call."""
+        with self._lock:
+            if not self._begun:
+                self._begun = True
+                self._clock.pause(False, self._wall())
 
     def time(self) -> float:
         """Return the simulated time now [s]."""
@@ -62,6 +70,7 @@ class Transport:
     def play(self) -> None:
         """Go on; from the start where the end was reached."""
         with self._lock:
+            self._begun = True
             at = self._time()
             if at >= self.end:
                 at = self.start
@@ -72,6 +81,7 @@ class Transport:
     def pause(self) -> None:
         """Stand still."""
         with self._lock:
+            self._begun = True
             self._clock.seek(self._time(), self._wall())
             self._clock.pause(True, self._wall())
 

@@ -98,7 +98,8 @@ export function drawStrip(canvas, times, series, span, now, { log = false, facto
   const [pen, w, h] = begin(canvas);
   const map = (v) => (log ? (v > 0 ? Math.log10(v) : null) : v * factor);
   const rows = series.map((s) => s.values.map((v) => (v === null ? null : map(v))));
-  const [low, high] = range(rows, log);
+  const seen = (row) => row.filter((_, k) => times[k] >= span[0] && times[k] <= span[1]);
+  const [low, high] = range(rows.map(seen), log);
   const [x0, x1] = [MARGIN.left, w - MARGIN.right];
   const [y0, y1] = [h - MARGIN.bottom, MARGIN.top];
   const x = (t) => x0 + ((x1 - x0) * (t - span[0])) / (span[1] - span[0]);
@@ -110,29 +111,35 @@ export function drawStrip(canvas, times, series, span, now, { log = false, facto
   }
   for (const t of ticks(span[0], span[1], Math.max(2, Math.min(8, w / 90)))) {
     line(pen, x(t), y0, x(t), y0 + 3, TEXT, 1);
-    label(pen, `${+t.toPrecision(6)}${t === 0 ? " s" : ""}`, x(t), h - 8, "center");
+    const text = `${+t.toPrecision(6)}${t === 0 ? " s" : ""}`;
+    label(pen, text, Math.min(x(t), w - pen.measureText(text).width / 2), h - 8, "center");
   }
-  pen.save();
-  pen.beginPath();
-  pen.rect(x0, y1 - 2, x1 - x0, y0 - y1 + 4);
-  pen.clip();
-  rows.forEach((row, i) => {
-    for (const past of [false, true]) {
-      pen.globalAlpha = past ? 1 : 0.25;
-      curve(pen, times, row, x, y, series[i], (t) => (past ? t <= now : t >= now));
-    }
-  });
-  pen.globalAlpha = 1;
-  line(pen, x(now), y1, x(now), y0, "#e6ebf1", 1);
-  pen.restore();
+  const edge = Math.min(Math.max(x(now), x0), x1);
+  for (const [from, to, alpha] of [[x0, edge, 1], [edge, x1, 0.35]]) {
+    within(pen, from, y1 - 2, to - from, y0 - y1 + 4, () => {
+      pen.globalAlpha = alpha;
+      rows.forEach((row, i) => curve(pen, times, row, x, y, series[i]));
+    });
+  }
+  line(pen, edge, y1, edge, y0, "#e6ebf1", 1);
   return { x0, x1 };
 }
 
-function curve(pen, times, row, x, y, { colour, width = 1.6 }, shown) {
+// Draw inside a rectangle.
+function within(pen, x, y, w, h, draw) {
+  pen.save();
+  pen.beginPath();
+  pen.rect(x, y, w, h);
+  pen.clip();
+  draw();
+  pen.restore();
+}
+
+function curve(pen, times, row, x, y, { colour, width = 1.6 }) {
   pen.beginPath();
   let down = false;
   row.forEach((v, k) => {
-    if (v === null || !shown(times[k])) {
+    if (v === null) {
       down = false;
       return;
     }
@@ -171,18 +178,26 @@ export function drawSources(canvas, times, sources, span, now) {
   const x = (t) => x0 + ((x1 - x0) * (t - span[0])) / (span[1] - span[0]);
   pen.fillStyle = GRID;
   pen.fillRect(x0, 0, x1 - x0, h);
+  const edge = Math.min(Math.max(x(now), x0), x1);
+  for (const [from, to, alpha] of [[x0, edge, 1], [edge, x1, 0.35]]) {
+    within(pen, from, 0, to - from, h, () => {
+      pen.globalAlpha = alpha;
+      bands(pen, times, sources, x, h);
+    });
+  }
+  line(pen, edge, 0, edge, h, "#e6ebf1", 1);
+}
+
+function bands(pen, times, sources, x, h) {
   for (let k = 0; k < times.length;) {
     let end = k + 1;
-    while (end < times.length && sources[end] === sources[k] && times[end] <= now === times[k] <= now) end += 1;
+    while (end < times.length && sources[end] === sources[k]) end += 1;
     const known = SOURCES[sources[k]];
     if (known) {
       const until = end < times.length ? times[end] : times[end - 1];
-      pen.globalAlpha = times[k] <= now ? 1 : 0.25;
       pen.fillStyle = known[1];
       pen.fillRect(x(times[k]), 0, Math.max(x(until) - x(times[k]), 1), h);
     }
     k = end;
   }
-  pen.globalAlpha = 1;
-  line(pen, x(now), 0, x(now), h, "#e6ebf1", 1);
 }

@@ -11,7 +11,7 @@ const colours = Object.fromEntries(
   ["x", "y", "z", "good", "warn", "bad"].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]),
 );
 const state = {
-  events: 0, drawn: 0, numbers: [], setup: null, frame: null, columns: [], rows: [], axes: {},
+  events: 0, drawn: 0, numbers: [], setup: null, frame: null, columns: [], rows: [], axes: {}, span: [],
 };
 const scene = new Scene(by("scene"), colours, schedule);
 let pending = false;
@@ -41,6 +41,7 @@ function draw() {
   scene.draw(frame, setup, trail);
   drawCharts(times, now);
   state.axes = { ...scene.tips };
+  state.span = timeSpan(times, now);
   state.drawn += 1;
 }
 
@@ -48,7 +49,7 @@ function drawCharts(times, now) {
   const { frame, setup } = state;
   const span = timeSpan(times, now);
   const torques = ["x", "y", "z"].map((axis) => column(`torque_${axis}`));
-  const largest = Math.max(0, ...torques.flat().map((v) => Math.abs(v ?? 0)));
+  const largest = times.reduce((most, _, k) => Math.max(most, Math.hypot(...torques.map((t) => t[k] ?? 0))), 0);
   drawTorque(by("torque"), frame.torque, setup?.torque_limit, largest, colours);
   const governed = setup?.governor && setup.governor !== "none";
   const errors = [{ values: column("error_deg"), colour: "#e6ebf1" }];
@@ -61,12 +62,21 @@ function drawCharts(times, now) {
   drawSources(by("source"), times, column("source"), span, now);
 }
 
-// The whole flight where its length is known; else what was seen, and at least ten seconds.
+// What has been flown, and some room ahead: a long flight would else be a blank chart for most of
+// it. The room grows in few steps, so that the curves stand still between them. "Whole flight" of a
+// recording shows all of it.
 function timeSpan(times, now) {
   const { setup, frame } = state;
-  const start = frame.transport?.start ?? times[0] ?? 0;
-  const whole = setup?.n_steps && setup.period ? setup.n_steps * setup.period : 0;
-  return [Math.min(start, now), Math.max(whole, now, times[0] ?? 0, start + 10 * (whole ? 0 : 1), start + 1e-3)];
+  const start = Math.min(frame.transport?.start ?? times[0] ?? 0, now);
+  const planned = setup?.n_steps && setup.period ? setup.n_steps * setup.period : Infinity;
+  const end = Math.max(frame.transport ? frame.transport.end : planned, now, start + 1e-3);
+  if (frame.transport && by("whole").checked) return [start, end];
+  return [start, Math.min(end, start + roundUp(Math.max(1.15 * (now - start), 10)))];
+}
+
+function roundUp(duration) {
+  const power = 10 ** Math.floor(Math.log10(duration));
+  return power * [1, 1.5, 2, 3, 4, 5, 6, 8, 10].find((m) => m * power >= duration * 0.999);
 }
 
 function onSetup(setup) {
@@ -141,6 +151,7 @@ by("seek").addEventListener("input", () => {
   command("seek", Number(by("seek").value));
 });
 by("seek").addEventListener("change", () => { seeking = false; });
+by("whole").addEventListener("change", schedule);
 window.addEventListener("resize", schedule);
 setInterval(() => {
   if (Date.now() - lastEvent < SILENCE) return;
