@@ -48,7 +48,7 @@ setup: ## install everything into .venv, build the messages, compile the kernels
 prepared: $(STAMPS)/messages $(STAMPS)/kernels
 	@:
 
-demo: setup ## fly Gupta's Case I through the node graph, record it, audit it, report it, compare it with the paper
+demo: setup ## fly a published case and a turn past two zones through the node graph, record, audit, compare, draw them
 	@$(BIN)/python tools/demo.py
 
 test: lint ## set up, check style and types, run every test

@@ -1,4 +1,4 @@
-"""Fly Gupta's Case I through the node graph, audit it, draw it, compare it with the paper's.
+"""Two flights through the node graph, a published case and a turn past two zones, and their peers.
 
 The steps of `make demo`; each can be done by hand with the commands printed. Case I is section IV-A
 of R. Gupta et al., "Constrained spacecraft attitude control on SO(3) using fast nonlinear model
@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import shlex
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,55 +24,83 @@ from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.scenario import load
 
 ROOT = Path(__file__).parents[1]
-SCENARIO = Path("config/gupta2015_case1.yaml")
+CASE1 = Path("config/gupta2015_case1.yaml")
+SUN_MOON = Path("config/sun_moon.yaml")
+PD = Path("config/sun_moon_pd.yaml")
 IPOPT = ROOT / "test" / "data" / "gupta2015_case1_ipopt.npz"
 GNC = Path(".venv/bin/gnc")
 ROW = "  {:<28} {:>14} {:>14} {:>14}"
 PLOTTED = "plotted only"
-TITLE = ["--title", "Gupta et al. (2015), Case I"]
+TITLE = "100° past Sun and Moon with 0.01 N m"
 
 
 def main() -> int:
     """Run the demonstration; return its exit code."""
     started = time.monotonic()
     folder = next(path for n in itertools.count(1) if not (path := Path(f"runs/demo-{n}")).exists())
-    figures = folder / "figures"
-    for command in (
-        ["launch", str(SCENARIO), "--out", str(folder)],
-        ["audit", str(folder)],
-        ["report", str(folder), "--out", str(folder / "report.html"), *TITLE],
-        ["plot", str(folder / "bag"), "--out", str(figures), "--format", "png", "--quiet", *TITLE],
-    ):
-        print(f"\n$ gnc {' '.join(command)}", flush=True)
-        code = subprocess.run(
-            [sys.executable, "-m", "spacecraft_gnc", *command], check=False
-        ).returncode
-        if code != 0:
-            return code
-    compare(load_run(folder / "bag").trajectory)
+    case1, governed, pd = folder / "case1", folder / "governed_nmpc", folder / "pd.npz"
+    picture, report = folder / "flight.gif", folder / "report.html"
+    try:
+        gnc("launch", CASE1, "--out", case1)
+        gnc("audit", case1)
+        compare_with_paper(load_run(case1 / "bag").trajectory)
+        gnc("launch", SUN_MOON, "--out", governed)
+        gnc("audit", governed)
+        gnc("simulate", PD, "--out", pd, "--quiet")
+        gnc("plot", governed, pd, "--scenario", PD, "--animate", picture, "--title", TITLE)
+        gnc("report", governed, "--out", report)
+    except subprocess.CalledProcessError as error:
+        return error.returncode
+    compare_with_pd(load_run(governed / "bag").trajectory, load_run(pd).trajectory)
     print(
         f"""
-The flight lies in {folder}/:
+The flights lie in {folder}/:
+  flight.gif               the turn past Sun and Moon beside a PD's, moving
   report.html              everything about it, for a browser: attitude in 3-D, curves, audit
-  figures/overview.png     the whole flight in one picture; others lie beside it
-  bag/                     every message, for any reader of ROS 2 bags
-  logs/                    what each node said
+  case1/, governed_nmpc/   of each flight every message (bag/) and what each node said (logs/)
 The demonstration took {time.monotonic() - started:.0f} s.
 
 Try next:
-  {GNC} launch {SCENARIO} --set nmpc_controller.max_torque=0.005
-  {GNC} simulate {SCENARIO} --set "plant.initial_rotation_vector=[0.0, 0.0, 3.0]"
-  {GNC} launch {SCENARIO} --mode free_run --rate 10
-  {GNC} replay {folder} --method neighboring_extremal
-  {GNC} view {folder}
-and edit a copy of {SCENARIO}: `{GNC} check COPY.yaml` tells what it lacks."""
+  {GNC} launch {SUN_MOON} --set reference_governor.governor=none
+  {GNC} launch {CASE1} --set nmpc_controller.horizon=40
+  {GNC} launch {CASE1} --mode free_run --rate 10
+  {GNC} replay {case1} --method neighboring_extremal
+  {GNC} view {governed}
+and edit a copy of {SUN_MOON}: `{GNC} check COPY.yaml` tells what it lacks."""
     )
     return 0
 
 
-def compare(flight: Trajectory) -> None:
+def gnc(*arguments: str | Path) -> None:
+    """Show and run a command; raise CalledProcessError where it fails."""
+    command = list(map(str, arguments))
+    print(f"\n$ gnc {shlex.join(command)}", flush=True)
+    subprocess.run([sys.executable, "-m", "spacecraft_gnc", *command], check=True)
+
+
+def compare_with_pd(governed: Trajectory, pd: Trajectory) -> None:
+    """Print the flight past two zones beside that of the PD."""
+    both = [summarize(flight, load(ROOT / PD)) for flight in (governed, pd)]
+    rows = [
+        ("", "governed NMPC", "PD"),
+        *(
+            (
+                f"least angle to the {zone}",
+                *(f"{m['zone_margin_deg'][zone]:+.2f} deg" for m in both),
+            )
+            for zone in both[0]["zone_margin_deg"]
+        ),
+        ("largest torque", *map(newton_metres, both)),
+        ("under 0.1 deg for good from", *(f"{m['settle_time_0.1deg']:g} s" for m in both)),
+    ]
+    print("\nPast two zones, negative inside: this flight and a PD with the same torque limit")
+    for row in rows:
+        print(ROW.format(*row, "").rstrip())
+
+
+def compare_with_paper(flight: Trajectory) -> None:
     """Print the flight beside the paper's and beside a solution by CasADi and IPOPT."""
-    scenario = load(ROOT / SCENARIO)
+    scenario = load(ROOT / CASE1)
     peer = with_states_of(IPOPT, flight)
     ours, ipopt = (summarize(trajectory, scenario) for trajectory in (flight, peer))
     settled = [(f"under {x} deg for good from", f"settle_time_{x}deg") for x in (5, 1)]
@@ -104,12 +134,12 @@ def with_states_of(path: Path, flight: Trajectory) -> Trajectory:
         )
 
 
-def newton_metres(metrics: dict[str, float]) -> str:
+def newton_metres(metrics: dict[str, Any]) -> str:
     """Return the largest torque as text."""
     return f"{metrics['max_torque']:.8f} N m"
 
 
-def degrees(metrics: dict[str, float]) -> str:
+def degrees(metrics: dict[str, Any]) -> str:
     """Return the error at the end as text."""
     return f"{metrics['final_error_deg']:.5f} deg"
 
