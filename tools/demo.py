@@ -31,14 +31,14 @@ IPOPT = ROOT / "test" / "data" / "gupta2015_case1_ipopt.npz"
 GNC = Path(".venv/bin/gnc")
 ROW = "  {:<28} {:>14} {:>14} {:>14}"
 PLOTTED = "plotted only"
-TITLE = "100° past Sun and Moon with 0.01 N m"
+TITLE = "100 deg past Sun and Moon with 0.01 N m"
 
 
 def main() -> int:
     """Run the demonstration; return its exit code."""
     started = time.monotonic()
     folder = next(path for n in itertools.count(1) if not (path := Path(f"runs/demo-{n}")).exists())
-    case1, governed, pd = folder / "case1", folder / "governed_nmpc", folder / "pd.npz"
+    case1, governed, pd = folder / "case1", folder / "governed-NMPC", folder / "PD.npz"
     picture, report = folder / "flight.gif", folder / "report.html"
     try:
         gnc("launch", CASE1, "--out", case1)
@@ -57,7 +57,7 @@ def main() -> int:
 The flights lie in {folder}/:
   flight.gif               the turn past Sun and Moon beside a PD's, moving
   report.html              everything about it, for a browser: attitude in 3-D, curves, audit
-  case1/, governed_nmpc/   of each flight every message (bag/) and what each node said (logs/)
+  case1/, governed-NMPC/   of each flight every message (bag/) and what each node said (logs/)
 The demonstration took {time.monotonic() - started:.0f} s.
 
 Try next:

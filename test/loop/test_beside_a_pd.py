@@ -1,4 +1,4 @@
-"""What config/sun_moon.yaml and its PD claim: past two zones, or through them."""
+"""NMPC beside a PD: what README, docs/reproduce.md and config/sun_moon*.yaml say of them."""
 
 from __future__ import annotations
 
@@ -43,3 +43,29 @@ def test_the_pd_runs_through_both():
     assert metrics["max_torque"] <= LIMIT * (1.0 + 1e-12)
     assert metrics["settle_time_0.1deg"] == pytest.approx(36.4, abs=PERIOD)
     assert np.diff(series.settling_error_deg(flight)).max() <= 0.0
+
+
+OMEGA, ZETA = 0.32, 0.8  # [rad/s], [-]
+TUNED = {
+    "nmpc_controller.method": "feedback",
+    "nmpc_controller.feedback_attitude_gain": (0.5 * OMEGA**2 * np.diag([1.0, 0.8, 0.8])).ravel(),
+    "nmpc_controller.feedback_momentum_gain": (2.0 * ZETA * OMEGA * np.eye(3)).ravel(),
+}
+
+
+@pytest.mark.parametrize(
+    ("overrides", "under_1", "under_01", "cost"),
+    [
+        ({}, 105.2, None, 0.0551),
+        ({"nmpc_controller.horizon": 40}, 20.8, 26.8, 0.0366),
+        ({"nmpc_controller.method": "feedback"}, 46.8, 79.2, 0.0554),
+        (TUNED, 20.4, 25.6, 0.0366),
+    ],
+    ids=["paper", "N = 40", "PD", "tuned PD"],
+)
+def test_case_1_beside_a_pd(overrides, under_1, under_01, cost):
+    weights = load(shipped("gupta2015_case1")).controller.weights
+    flight, metrics = flown("gupta2015_case1", overrides)
+    assert metrics["settle_time_1deg"] == pytest.approx(under_1)
+    assert metrics["settle_time_0.1deg"] == (None if under_01 is None else pytest.approx(under_01))
+    assert series.stage_costs(flight, weights).sum() == pytest.approx(cost, abs=5e-5)
