@@ -53,7 +53,8 @@ class Curve:
             axes.yaxis.set_major_locator(MaxNLocator(5))
             axes.margins(y=0.08)
         if self.barred_below:
-            low = min(axes.get_ylim()[0], 0.0)
+            bottom, top = axes.get_ylim()
+            low = min(bottom, -0.2 * top)  # room for the label
             axes.axhspan(low, 0.0, color=style.LIMIT_COLOUR, alpha=0.10, linewidth=0.0)
             axes.set_ylim(bottom=low)
         for text, limit in self.limits.items():

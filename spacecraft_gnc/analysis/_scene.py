@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 _SIZE: Final = (8.0, 6.4)  # [inch]
 _DPI: Final = 100  # 800 pixels wide
 _SPHERES: Final = {"left": 0.0, "right": 1.0, "bottom": 0.40, "top": 0.935, "wspace": 0.0}
-_CURVES: Final = {"left": 0.05, "right": 0.985, "bottom": 0.075, "top": 0.275, "wspace": 0.22}
+_CURVES: Final = {"left": 0.068, "right": 0.985, "bottom": 0.075, "top": 0.275, "wspace": 0.22}
 _HEADING: Final = 0.965  # share of the height
 _NAME: Final = 0.925  # share of the height
 _STATE: Final[dict[str, Any]] = {"ha": "center", "va": "center", "fontsize": 10.0}
-_MARKS: Final = "○ target\n◇ governor's\nreference"
+_MARKS: Final = "target ○\nreference of the governor ◇"
 
 
 class Scene:
@@ -54,7 +54,9 @@ class Scene:
         self._canvas = FigureCanvasAgg(self._figure)
         self._write(0.02, title, ha="left", fontweight="bold")
         if any(run.references is not None for run in runs):
-            self._figure.text(0.5, 0.43, _MARKS, ha="center", fontsize=8.5, color=style.MUTED)
+            self._figure.text(
+                0.98, _NAME, _MARKS, ha="right", va="top", fontsize=8.5, color=style.MUTED
+            )
         self._curves = list(curves(runs))
         self._spheres = self._row(len(runs), **_SPHERES)
         self._diagrams = self._row(len(self._curves), **_CURVES)
@@ -183,4 +185,4 @@ def _write_worst(axes: Axes, run: AnimatedRun, row: int) -> None:
         text = f"✕ zone {zone} violated by {-margin:.1f}°"
         axes.text(0.0, -1.32, text, color=style.LIMIT_COLOUR, fontweight="bold", **_STATE)
     else:
-        axes.text(0.0, -1.32, f"✓ every zone kept, by {margin:.1f}° at the least", **_STATE)
+        axes.text(0.0, -1.32, f"✓ zones kept by {margin:.1f}° or more", **_STATE)

@@ -58,15 +58,24 @@ def save_animation(
     runs = [animated_run(name, *flown, i) for i, (name, flown) in enumerate(flights.items())]
     with style.applied():
         frames = [Image.fromarray(frame) for frame in _frames(runs, title)]
-    # One palette for all frames, so that nothing flickers: the last frame has every color. Maximum
-    # coverage keeps pure ones, white among them, which a median cut would blend.
-    palette = frames[-1].quantize(_COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    palette = _palette(frames[-1])
     first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
     shown = [_SHOWN] * len(others) + [_LAST_SHOWN]
     with whole_file(path) as temporary:
         first.save(
             temporary, format="gif", save_all=True, append_images=others, duration=shown, loop=0
         )
+
+
+def _palette(picture: Image.Image) -> Image.Image:
+    """Return the palette of all frames, so that nothing flickers: of one that has every color."""
+    palette = picture.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
+    colours = np.array(palette.getpalette() or [], dtype=np.uint8).reshape(-1, 3)
+    colours[np.argmax(colours.sum(axis=1, dtype=int))] = (
+        255  # a background that is white and not nearly so
+    )
+    palette.putpalette(colours.tobytes())
+    return palette
 
 
 def frame_times(runs: Sequence[AnimatedRun]) -> Array:
