@@ -30,11 +30,8 @@ EXTRAS = {
 def readme() -> str:
     """Return README.md with its links into the repository made absolute, as an index needs them."""
     text = (HERE / "README.md").read_text(encoding="utf-8")
-    return re.sub(
-        r"\]\((?![a-z]+:|#)([^)\s]+)\)",
-        lambda link: f"]({URLS['repository']}/raw/main/{link[1]})",
-        text,
-    )
+    place = rf"\g<1>{URLS['repository']}/raw/main/"
+    return re.sub(r"""(\]\(|src=")(?![a-z]+:|#)""", place, text)
 
 
 setup(

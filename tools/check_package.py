@@ -89,7 +89,7 @@ def check_metadata(wheel: Path) -> None:
     for field in ("Description-Content-Type", "Project-URL", "Classifier", "License", "Keywords"):
         if metadata[field] is None:
             raise Failed(f"{wheel.name}: its metadata has no {field}")
-    if relative := re.findall(r"\]\((?![a-z]+:|#)[^)]*\)", metadata.get_payload()):
+    if relative := re.findall(r"""(?:\]\(|src=")(?![a-z]+:|#).*""", metadata.get_payload()):
         raise Failed(f"{wheel.name}: relative links in the description: {relative}")
 
 
