@@ -7,6 +7,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
@@ -50,7 +51,8 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         stage costs; None of a method that reads no weights),
         ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
-        ``escaping_steps`` (at rest away from the target, and leaving there),
+        ``escaping_steps`` (at rest away from the target, and leaving there; None of a method that
+        makes no solves),
         ``solve_time_median``, ``_p99``, ``_max`` [s],
         ``sources`` (steps by source), ``fallback_steps`` (whose torque stood in for one that
         the method did not find),
@@ -174,15 +176,20 @@ def _solver_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[s
     return {
         "iterations_median": float(np.median(iterations)) if iterations.size else None,
         "iterations_max": int(iterations.max()) if iterations.size else None,
-        "unconverged_steps": int(np.count_nonzero(series.unconverged(trajectory))),
-        "stalled_steps": int(np.count_nonzero(trajectory.status == series.STALLED)),
-        "escaping_steps": int(np.count_nonzero(trajectory.status == series.ESCAPING)),
+        "unconverged_steps": _count(series.unconverged(trajectory), solved),
+        "stalled_steps": _count(trajectory.status == series.STALLED, solved),
+        "escaping_steps": _count(trajectory.status == series.ESCAPING, solved),
         "solve_time_median": _quantile(solve_time, 0.5),
         "solve_time_p99": _quantile(solve_time, 0.99),
         "solve_time_max": _quantile(solve_time, 1.0),
         "sources": {source.name: sources[source] for source in Source if sources[source]},
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
     }
+
+
+def _count(steps: NDArray[np.bool_], solved: NDArray[np.bool_]) -> int | None:
+    """Return how many steps it is; None where no step was solved at all."""
+    return int(np.count_nonzero(steps)) if solved.any() else None
 
 
 def _largest(values: Array) -> float:

@@ -169,7 +169,7 @@ def _sides(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str
         ("iterations a solve", _iterations(old), _iterations(new)),
         ("largest residual", _number(old["residual_max"]), _number(new["residual_max"])),
         ("time a solve", _time(old), _time(new)),
-        ("steps not solved", _unsolved(old), _unsolved(new)),
+        ("steps not solved", _count(old["unconverged_steps"]), _count(new["unconverged_steps"])),
         ("torque from", _sources(old), _sources(new)),
         *_standstills(old, new),
     ]
@@ -179,7 +179,7 @@ def _standstills(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, st
     """Return the rows on standstills away from the target, where either side had one."""
     rows = {"steps at a standstill": "stalled_steps", "standstill escapes": "escaping_steps"}
     return [
-        (label, str(old[name]), str(new[name]))
+        (label, _count(old[name]), _count(new[name]))
         for label, name in rows.items()
         if old[name] or new[name]
     ]
@@ -240,8 +240,8 @@ def _iterations(side: dict[str, Any]) -> str:
     return f"{side['iterations_median']:.3g} median, {side['iterations_max']} most"
 
 
-def _unsolved(side: dict[str, Any]) -> str:
-    return "-" if side["iterations_median"] is None else str(side["unconverged_steps"])
+def _count(steps: int | None) -> str:
+    return "-" if steps is None else str(steps)
 
 
 def _time(side: dict[str, Any]) -> str:

@@ -121,7 +121,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
         ("iterations a solve", iterations),
         (f"time a {work}", _solve_times(m)),
-        ("steps not solved", _unsolved(m)),
+        ("steps not solved", _text(m["unconverged_steps"], 10)),
         ("torque from", sources),
     ]
     if m["neighboring_share"] is not None:
@@ -163,10 +163,6 @@ def _final_error(m: dict[str, Any]) -> str:
     if m["final_error_deg"] is None:
         return "unknown: the last state or reference was not recorded"
     return f"{m['final_error_deg']:.5g} deg to the {m['error_to']}"
-
-
-def _unsolved(m: dict[str, Any]) -> str:
-    return _NOTHING if m["iterations_median"] is None else str(m["unconverged_steps"])
 
 
 def _solve_times(m: dict[str, Any]) -> str:

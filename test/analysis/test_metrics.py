@@ -134,7 +134,8 @@ def test_a_flight_without_a_solver_has_no_solver_metrics():
     nothing = np.full(20, np.nan)
     metrics = summarize(at_rest(status=np.full(20, -1), solve_time=nothing))
     names = ("iterations_median", "iterations_max", "solve_time_median", "solve_time_p99")
-    assert [metrics[name] for name in names] == [None] * 4
+    counts = ("unconverged_steps", "stalled_steps", "escaping_steps")
+    assert [metrics[name] for name in names + counts] == [None] * 7
 
 
 def governed(references, alpha, **replaced):

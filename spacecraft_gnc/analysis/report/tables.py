@@ -35,6 +35,10 @@ def _never_allowed(run: Run) -> str:
     return "never" if run.metrics["error_to"] == "target" else _NOTHING
 
 
+def _unpriced(run: Run) -> str:
+    return _NOTHING if run.metrics["neighboring_share"] is None else "unknown"
+
+
 def _of_scenario(text: str) -> Callable[[Run], str]:
     """Return what says ``text`` where the scenario is known, and is without it."""
     return lambda run: "unknown" if run.scenario is None else text
@@ -69,7 +73,7 @@ _ROWS: Final = (
     _Row("Steps escaping from a standstill", "escaping_steps"),
     _Row("Steps on a fallback torque", "fallback_steps"),
     _Row("Steps answered by neighbouring extremals", "neighboring_share", "%", 4, 100.0),
-    _Row("Largest error of those", "neighboring_error", "N m", absent=_of_scenario(_NOTHING)),
+    _Row("Largest error of those", "neighboring_error", "N m", absent=_unpriced),
     _Row("Incomplete steps", "missing_steps"),
 )
 _EXPONENT_FROM: Final = 1e12
@@ -200,7 +204,7 @@ def _difference(row: _Row, value: float | None, first: float | None) -> str:
 
 def _method(run: Run) -> str:
     if run.scenario is None:
-        return _NOTHING
+        return "unknown"
     controller, governor = run.scenario.controller, run.scenario.governor.governor
     parts = [controller.method]
     parts += [f"N = {controller.horizon}"] if "horizon" in run.scenario.traits.reads else []
