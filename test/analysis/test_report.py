@@ -192,6 +192,8 @@ def test_the_difference_to_the_first_run_is_shown(tmp_path):
         (-5.423, -0.01, "-5.41, 542 times"),
         (5.413, -0.01, "+5.42"),  # of another sign: no factor
         (1.0, 0.0, "+1"),
+        (0.0, 4.0, "-4, -100 %"),
+        (1e-4, 2.0, "-2, 5e-05 times"),
     ],
 )
 def test_a_difference_from_a_tiny_number_is_no_share_of_it(value, first, text):

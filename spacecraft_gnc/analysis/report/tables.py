@@ -78,6 +78,7 @@ _ROWS: Final = (
 )
 _EXPONENT_FROM: Final = 1e12
 _LARGEST_SHARE: Final = 2.0  # of the first run: what is farther off is told as a factor
+_LEAST_FACTOR: Final = 0.01  # likewise
 _CHECK_HEADS: Final = ("Check", "Steps", "Worst", "Tolerance", "Verdict")
 _BADGES: Final = {True: "passed", False: "failed", None: "unknown"}
 
@@ -194,11 +195,11 @@ def _difference(row: _Row, value: float | None, first: float | None) -> str:
         return ""
     text = "same" if value == first else _rounded(row.factor * (value - first), 3, "+")
     if value != first and first:
-        share = (value - first) / abs(first)
-        if abs(share) <= _LARGEST_SHARE:
+        share, factor = (value - first) / abs(first), value / first
+        if factor > 0.0 and not _LEAST_FACTOR <= factor <= 1.0 + _LARGEST_SHARE:
+            text += f", {_rounded(factor, 3)} times"
+        elif abs(share) <= _LARGEST_SHARE:
             text += f", {_rounded(100.0 * share, 3, '+')} %"
-        elif value / first > 0.0:
-            text += f", {_rounded(value / first, 3)} times"
     return f' <span class="difference">({text})</span>'
 
 
