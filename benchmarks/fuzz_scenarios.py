@@ -34,8 +34,9 @@ from spacecraft_gnc.launcher.domain import claim_free
 from spacecraft_gnc.launcher.environment import DOMAIN_ID, prepare
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.checked import plain_values
-from spacecraft_gnc.scenario.node_sections import given_to, node_names, read_files
+from spacecraft_gnc.scenario.node_sections import add_file, given_to, node_names
 from spacecraft_gnc.scenario.schema import NODE_NAMES
+from spacecraft_gnc.scenario.yaml_file import Sections
 
 CONFIG = Path(__file__).parents[1] / "config"
 CPU_LIMIT = 10.0  # [s] of one case
@@ -202,7 +203,9 @@ def compare_with_ros(path: Path) -> None:
     import rclpy
     from rclpy.node import Node
 
-    ours = plain_values(given_to(read_files([path]), node_names()))
+    sections: Sections = {}
+    add_file(sections, path)
+    ours = plain_values(given_to(sections, node_names()))
     rclpy.init(args=["fuzz", "--ros-args", "--params-file", str(path)])
     try:
         for name in NODE_NAMES:

@@ -18,9 +18,10 @@ from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.checked import plain_values
 from spacecraft_gnc.scenario.declare import flatten
-from spacecraft_gnc.scenario.node_sections import given_to, lay_over, node_names, read_files
+from spacecraft_gnc.scenario.node_sections import add_file, add_option, given_to, node_names
 from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
 from spacecraft_gnc.scenario.shipped import find
+from spacecraft_gnc.scenario.yaml_file import Sections
 from spacecraft_gnc.scenario.yaml_scalar import emit
 
 PLANT: Final = "plant"
@@ -155,9 +156,10 @@ def _is_read_as(scenario: Scenario, path: Path) -> bool:
     those that the options are laid into.
     """
     bag = Path("bag")
-    sections = read_files([path])
+    sections: Sections = {}
+    add_file(sections, path)
     for option in node_options(False, bag):
-        lay_over(sections, option)
+        add_option(sections, option)
     given = plain_values(given_to(sections, node_names()))
     wanted = {name: flatten(scenario.sections.get(name, {})) for name in SECTIONS}
     for name in NODE_NAMES:

@@ -17,11 +17,11 @@ from spacecraft_gnc.scenario.checked import plain_values
 from spacecraft_gnc.scenario.declare import declarations
 from spacecraft_gnc.scenario.node_sections import (
     OPTION,
+    add_file,
+    add_option,
     given_to,
-    lay_over,
     matches,
     node_names,
-    read_files,
 )
 from spacecraft_gnc.scenario.parameter import Kind, ParameterSpec, Value
 from spacecraft_gnc.scenario.yaml_file import Sections
@@ -51,10 +51,9 @@ def command_line(arguments: Sequence[str]) -> Sections:
     sections: Sections = {}
     for flag, value in pairwise(arguments):
         if flag == _FILE:
-            for pattern, entries in read_files([Path(value)]).items():
-                sections.setdefault(pattern, {}).update(entries)
+            add_file(sections, Path(value))
         elif flag in _OPTIONS:
-            lay_over(sections, value)
+            add_option(sections, value)
     return sections
 
 

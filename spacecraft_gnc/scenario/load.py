@@ -13,10 +13,10 @@ from spacecraft_gnc.scenario.checks_method import unread_by
 from spacecraft_gnc.scenario.declare import flatten, spec_of, unflatten
 from spacecraft_gnc.scenario.node_sections import (
     ROOT,
+    add_file,
     given_to,
     namespace_of,
     node_names,
-    read_files,
     unread,
 )
 from spacecraft_gnc.scenario.parameter import Value, specs_of, typed
@@ -83,7 +83,8 @@ def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, d
     InvalidScenario
         If the file cannot be read, or holds keys that ROS 2 could not use.
     """
-    sections = read_files([Path(require_path("path", path))])
+    sections: Sections = {}
+    add_file(sections, Path(require_path("path", path)))
     problems: list[Problem] = []
     nodes = node_names(namespace_of(sections, str(path), namespace))
     given = given_to(sections, nodes, problems)

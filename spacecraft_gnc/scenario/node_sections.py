@@ -13,7 +13,7 @@ Source: rclpy 7.1 ``Node.get_parameters``, rcl ``arguments.c``; docs/scenario.md
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -107,26 +107,23 @@ def namespace_of(sections: Sections, file: str, wanted: str | None = None) -> st
     raise InvalidScenario([Problem(file, None, "", what, "one", "name it with --namespace")])
 
 
-def read_files(paths: Iterable[Path]) -> Sections:
-    """Return the sections of parameter files, merged as ROS 2 does.
+def add_file(sections: Sections, path: Path) -> None:
+    """Lay the values of a parameter file over sections, as ROS 2 does.
 
     Raises
     ------
     InvalidScenario
-        If one cannot be read, or holds keys that ROS 2 could not use.
+        If it cannot be read, or holds keys that ROS 2 could not use.
     """
-    sections: Sections = {}
-    for path in paths:
-        found, problems = read(path, tuple(SECTIONS))
-        if problems:
-            raise InvalidScenario(problems)
-        for pattern, entries in found.items():
-            sections.setdefault(pattern, {}).update(entries)
-    return sections
+    found, problems = read(path, tuple(SECTIONS))
+    if problems:
+        raise InvalidScenario(problems)
+    for pattern, entries in found.items():
+        sections.setdefault(pattern, {}).update(entries)
 
 
-def lay_over(sections: Sections, option: str) -> None:
-    """Lay the value of a ``-p [NODE:]NAME:=VALUE`` over sections, where ROS 2 does."""
+def add_option(sections: Sections, option: str) -> None:
+    """Lay the value of a ``-p [NODE:]NAME:=VALUE`` over sections, likewise."""
     key, _, text = option.partition(":=")
     node, _, name = key.rpartition(":")
     try:

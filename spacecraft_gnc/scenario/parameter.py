@@ -22,8 +22,10 @@ LARGEST: Final = 1e15
 """Of a momentum or a torque, in SI units: far more than any spacecraft has, and so little that
 fourth powers, times the largest weight, stay numbers of double precision."""
 LARGEST_WEIGHT: Final = 1e60
-LARGEST_ANGLE: Final = 1e3
-"""[rad] of a rotation vector: attitudes of longer ones are not known to the digits of a double."""
+WITHIN: Final = {"minimum": -LARGEST, "maximum": LARGEST}
+"""Range of a component of a vector or of an actuator matrix."""
+ANGLES: Final = {"minimum": -1e3, "maximum": 1e3}
+"""[rad] of a component of a rotation vector: longer ones leave an attitude fewer digits."""
 
 _METADATA_KEY: Final = "spacecraft_gnc.parameter"
 

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 from typing import Final
 
 from spacecraft_gnc.scenario.parameter import (
+    ANGLES,
     LARGEST,
-    LARGEST_ANGLE,
+    WITHIN,
     Kind,
     MatrixRule,
     NodeParameters,
@@ -81,8 +82,7 @@ class PlantParameters(NodeParameters):
         "initial attitude R_0 = exp(hat(.)), body to inertial",
         unit="rad",
         shape=(3,),
-        minimum=-LARGEST_ANGLE,
-        maximum=LARGEST_ANGLE,
+        **ANGLES,
     )
     initial_momentum: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -90,8 +90,7 @@ class PlantParameters(NodeParameters):
         "initial angular momentum, body frame",
         unit="N m s",
         shape=(3,),
-        minimum=-LARGEST,
-        maximum=LARGEST,
+        **WITHIN,
     )
     mode: str = parameter(
         Kind.STRING,
@@ -151,8 +150,7 @@ class GovernorParameters(NodeParameters):
         "target attitude exp(hat(.)), body to inertial",
         unit="rad",
         shape=(3,),
-        minimum=-LARGEST_ANGLE,
-        maximum=LARGEST_ANGLE,
+        **ANGLES,
     )
     initial_reference_rotation_vector: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -160,9 +158,8 @@ class GovernorParameters(NodeParameters):
         "attitude: reference before the first step, exp(hat(.)); empty: the attitude at that step",
         unit="rad",
         shape=(3,),
-        minimum=-LARGEST_ANGLE,
-        maximum=LARGEST_ANGLE,
         may_be_empty=True,
+        **ANGLES,
     )
     max_torque: float = parameter(
         Kind.DOUBLE,

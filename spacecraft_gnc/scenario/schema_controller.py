@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from spacecraft_gnc.scenario.parameter import (
+    ANGLES,
     LARGEST,
-    LARGEST_ANGLE,
     LARGEST_WEIGHT,
+    WITHIN,
     Kind,
     MatrixRule,
     NodeParameters,
@@ -96,22 +97,20 @@ class ZoneParameters:
         [],
         "axis of the instrument, body frame (normalised)",
         shape=(3,),
-        minimum=-LARGEST,
-        maximum=LARGEST,
         nonzero=True,
         required=True,
         may_be_empty=True,
+        **WITHIN,
     )
     inertial_axis: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
         [],
         "axis of the cone, inertial frame (normalised)",
         shape=(3,),
-        minimum=-LARGEST,
-        maximum=LARGEST,
         nonzero=True,
         required=True,
         may_be_empty=True,
+        **WITHIN,
     )
     half_angle_deg: float = parameter(
         Kind.DOUBLE,
@@ -164,9 +163,8 @@ class ControllerParameters(NodeParameters):
         "actuator matrix B, torque = B u with one column an actuator, body frame; "
         "empty: the identity",
         shape=(3, -1),
-        minimum=-LARGEST,
-        maximum=LARGEST,
         may_be_empty=True,
+        **WITHIN,
     )
     max_torque: float = parameter(
         Kind.DOUBLE,
@@ -236,9 +234,8 @@ class ControllerParameters(NodeParameters):
         "empty: no nominal run, on-line method",
         unit="rad",
         shape=(3,),
-        minimum=-LARGEST_ANGLE,
-        maximum=LARGEST_ANGLE,
         may_be_empty=True,
+        **ANGLES,
     )
     nominal_momentum: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -246,8 +243,7 @@ class ControllerParameters(NodeParameters):
         "neighboring_extremal: initial angular momentum of the stored nominal run, body frame",
         unit="N m s",
         shape=(3,),
-        minimum=-LARGEST,
-        maximum=LARGEST,
+        **WITHIN,
     )
     exact_every: int = parameter(
         Kind.INTEGER,
