@@ -1,7 +1,7 @@
-"""The MCAP files of a bag: which belong to it, whether they are whole, how they are compressed.
+"""The MCAP files of a bag: which belong to it, and whether they are whole.
 
-``metadata.yaml`` says which files belong to the bag and how they are compressed. Everything else in
-it is a copy of what the files hold, which other producers and editors leave wrong; it is not read.
+``metadata.yaml`` says which files belong to the bag. Everything else in it is a copy of what the
+files hold, which other producers and editors leave wrong; it is not read.
 """
 
 from __future__ import annotations
@@ -40,8 +40,6 @@ class BagFiles(NamedTuple):
     """In the order of recording, decompressed."""
     unfinished: bool
     """Whether the recorder was killed, or a file is cut off."""
-    packed_messages: bool
-    """Whether every message is compressed by itself (zstd)."""
     strays: tuple[str, ...] = ()
     """Names of .mcap files beside them that ``metadata.yaml`` does not name."""
 
@@ -76,10 +74,9 @@ def bag_files(path: Path) -> Iterator[BagFiles]:
     with ExitStack() as stack:
         files = [_unpacked(file, stack) for file in stored]
         cut = [file for file in files if not is_whole(file)]
-        packed = str((about or {}).get("compression_mode", "")).upper() == "MESSAGE"
         if about is None:
             files = _one_bag(path, files)
-        yield BagFiles(files, bool(cut) or about is None, packed, strays)
+        yield BagFiles(files, bool(cut) or about is None, strays)
 
 
 def whole_copies(path: Path, files: list[Path], folder: Path) -> list[Path]:
@@ -126,6 +123,11 @@ def _named(folder: Path, about: dict[str, Any]) -> list[Path]:
     with damage(folder):
         # the oldest versions name them from the folder above
         files = [folder / Path(str(name)).name for name in about["relative_file_paths"]]
+    if not files:
+        raise RecordingError(
+            f"{folder}: received a {METADATA_NAME} that names no file; {REQUIRED}; name a .mcap "
+            "file instead of the folder"
+        )
     for file in files:
         if not file.exists():
             there = ", ".join(found.name for found in _stored(folder)) or "no .mcap file"

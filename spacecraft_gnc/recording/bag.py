@@ -62,7 +62,7 @@ class Bag:
         self.counts: Counter[str] = Counter()
         self.left_out: dict[str, str] = {}
         self._strays = found.strays
-        self._packed = found.packed_messages
+        self._packed: bool | None = None  # whether each message is compressed; not known yet
         self._indexes = indexes
         self._channels: dict[str, list[ChannelInfo]] = {}
         for index in indexes:
@@ -166,6 +166,8 @@ class Bag:
             ]
 
     def _unpacked(self, data: bytes) -> bytes:
+        if self._packed is None:  # of a bag all messages are, or none
+            self._packed = data.startswith(zstandard.FRAME_HEADER)
         return zstandard.decompress(data) if self._packed else data
 
     def verify(self, progress: Progress | None = None) -> None:

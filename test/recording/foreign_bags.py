@@ -179,6 +179,9 @@ SHAPES: dict[str, Callable[[Path, Path], Path]] = {
     ),
     "compressed as a whole": compressed_whole,
     "its messages compressed": compressed_messages,
+    "its messages compressed, a file": lambda bag, out: next(
+        compressed_messages(bag, out).glob("*.mcap")
+    ),
     "a file": lambda bag, out: write(out.with_suffix(".mcap"), Contents.of(bag)),
 }
 """What holds the same flight, and must be read as the same flight."""

@@ -188,6 +188,12 @@ def test_a_metadata_yaml_that_names_no_files(text, ours, tmp_path):
     refused(bag, "cannot be read as a ROS 2 bag")
 
 
+def test_a_metadata_yaml_with_an_empty_list(ours, tmp_path):
+    bag = shutil.copytree(ours, tmp_path / "bag")
+    edit(bag, lambda about: about.update(relative_file_paths=[]))
+    refused(bag, "names no file", "name a .mcap file instead of the folder")
+
+
 def test_files_of_one_bag_whose_recorder_was_killed(ours, tmp_path):
     bag = folder_of(ours, tmp_path / "split", 12)
     (bag / "metadata.yaml").unlink()

@@ -18,6 +18,7 @@ from flown_bags import fly
 from recording.bags import record
 
 from spacecraft_gnc.recording.bag import open_bag
+from spacecraft_gnc.recording.writer import BagWriter
 
 ROOT = Path(__file__).resolve().parents[2]
 READERS = ROOT / "test" / "readers"
@@ -84,6 +85,42 @@ def test_foxglove_decodes_every_message(bag: Path, decode) -> None:
     assert found["topics"] == counts(bag)
     assert sum(found["topics"].values()) > 60
     assert found["metadata"]["rosbag2"] == 1  # readers join records of one name
+
+
+@pytest.fixture(scope="module")
+def every_type(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a bag with two messages of each topic of the graph, as the recorder announces it."""
+    pytest.importorskip("rclpy")
+    from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+    from rclpy.serialization import serialize_message
+    from visualization_msgs.msg import Marker, MarkerArray
+
+    from spacecraft_gnc.nodes._bag_topics import announce
+    from spacecraft_gnc.nodes._topics import TOPICS
+
+    nested = {
+        MarkerArray: MarkerArray(markers=[Marker(ns="zone", text="star")]),
+        DiagnosticArray: DiagnosticArray(
+            status=[DiagnosticStatus(name="plant", values=[KeyValue(key="step", value="3")])]
+        ),
+    }
+    folder = tmp_path_factory.mktemp("types") / "bag"
+    with BagWriter(folder) as writer:
+        for topic in TOPICS:
+            name = f"/{topic.name.strip('/')}"
+            announce(writer, name, topic.type, [topic.qos], gapless=False)
+            data = bytes(serialize_message(nested.get(topic.type, topic.type())))
+            for step in range(2):
+                writer.write(name, step, step, data)
+    return folder
+
+
+def test_foxglove_decodes_every_type_of_the_graph(every_type: Path, decode) -> None:
+    done = decode(*every_type.glob("*.mcap"))
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["topics"]
+    assert found == counts(every_type)
+    assert {"/pose", "/zone_markers", "/diagnostics", "/attitude_error", "/clock"} <= set(found)
 
 
 def test_foxglove_reader_notices_damage(bag: Path, decode, tmp_path: Path) -> None:
