@@ -25,7 +25,7 @@ FRAMES: Final = 76
 _MOST_RUNS: Final = 3
 _SHOWN: Final = 100  # wall time of a frame [ms]
 _LAST_SHOWN: Final = 2500  # of the last one, before the first follows again [ms]
-_COLOURS: Final = 255
+_WHITE: Final = 255  # place of white in the palette, behind all other colors
 
 
 def save_animation(
@@ -56,26 +56,31 @@ def save_animation(
             "stand side by side; leave some out"
         )
     runs = [animated_run(name, *flown, i) for i, (name, flown) in enumerate(flights.items())]
-    with style.applied():
-        frames = [Image.fromarray(frame) for frame in _frames(runs, title)]
-    palette = _palette(frames[-1])
-    first, *others = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
-    shown = [_SHOWN] * len(others) + [_LAST_SHOWN]
-    with whole_file(path) as temporary:
+    times = frame_times(runs)
+    shown = [_SHOWN] * (len(times) - 1) + [_LAST_SHOWN]
+    with style.applied(), whole_file(path) as temporary:
+        first, others = _pictures(Scene(runs, title), times)
         first.save(
             temporary, format="gif", save_all=True, append_images=others, duration=shown, loop=0
         )
 
 
-def _palette(picture: Image.Image) -> Image.Image:
-    """Return the palette of all frames, so that nothing flickers: of one that has every color."""
-    palette = picture.quantize(_COLOURS, Image.Quantize.MAXCOVERAGE)
-    colours = np.array(palette.getpalette() or [], dtype=np.uint8).reshape(-1, 3)
-    colours[np.argmax(colours.sum(axis=1, dtype=int))] = (
-        255  # a background that is white and not nearly so
-    )
-    palette.putpalette(colours.tobytes())
-    return palette
+def _pictures(scene: Scene, times: Array) -> tuple[Image.Image, Iterator[Image.Image]]:
+    """Return the first frame, and what draws the others one by one."""
+    # One palette for all, so that nothing flickers: of the last, which has every color.
+    palette = Image.fromarray(scene.frame(times[-1])).quantize(_WHITE, Image.Quantize.MAXCOVERAGE)
+    colours = list(palette.getpalette() or ())[: 3 * _WHITE]
+    palette.putpalette(colours + [255] * (768 - len(colours)))
+    pictures = (_indexed(scene.frame(time), palette) for time in times)
+    return next(pictures), pictures
+
+
+def _indexed(picture: Array, palette: Image.Image) -> Image.Image:
+    """Return a picture (height, width, 3) in the colors of a palette."""
+    indexed = Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
+    # The nearest color may be a light gray: the background is to be white.
+    indexed.paste(_WHITE, mask=Image.fromarray((picture == 255).all(axis=2)))
+    return indexed
 
 
 def frame_times(runs: Sequence[AnimatedRun]) -> Array:
@@ -83,8 +88,3 @@ def frame_times(runs: Sequence[AnimatedRun]) -> Array:
     times = max((run.times for run in runs), key=lambda times: times[-1])
     rows = np.linspace(0, len(times) - 1, min(len(times), FRAMES)).round().astype(int)
     return np.asarray(times[rows])
-
-
-def _frames(runs: Sequence[AnimatedRun], title: str) -> Iterator[Array]:
-    scene = Scene(runs, title)
-    yield from map(scene.frame, frame_times(runs))

@@ -63,6 +63,7 @@ def test_a_short_flight_has_a_frame_for_each_state(tmp_path):
         assert picture.n_frames == 6
         assert picture.size == SIZE
         assert picture.info["loop"] == 0  # for ever
+        assert picture.convert("RGB").getpixel((2, 2)) == (255, 255, 255)
         shown = []
         for i in range(6):
             picture.seek(i)
