@@ -17,7 +17,14 @@ import spacecraft_gnc
 from spacecraft_gnc.scenario.registry import BUILT_IN
 
 ROOT = Path(__file__).parents[2]
-SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "package.xml", "requirements.lock")
+SOURCES = (
+    "README.md",
+    "setup.py",
+    "setup.cfg",
+    "pyproject.toml",
+    "package.xml",
+    "requirements.lock",
+)
 SOURCE_FOLDERS = ("config", "resource", "spacecraft_gnc")
 
 
