@@ -49,6 +49,8 @@ class PlantNode(GncNode):
         about = {"plant": self.get_fully_qualified_name()}
         lock = domain.claim(domain.CLOCK, self.context.get_domain_id(), about)
         self.on_close(lock.release)
+        for text in scenario.warnings:
+            self.get_logger().warning(text)
         self._plant = scenario.build_plant()
         self._plant.warm_up()
         self.n_steps = self._plant.n_steps
