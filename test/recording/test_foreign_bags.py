@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import shutil
 import sqlite3
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -179,6 +182,21 @@ def test_a_bag_in_sqlite_storage(closed, ours, tmp_path):
     convert = f"rosbags-convert --src {bag} --dst {bag}-mcap --dst-storage mcap"
     refused(bag, "storage sqlite3", "required MCAP", convert)
     refused(bag / "bag_0.db3", "storage sqlite3", convert)
+
+
+def test_the_remedy_for_sqlite_storage_is_one(ours, tmp_path):
+    """Run the command that the refusal names; SQLite has no room for attachments."""
+    bag = tmp_path / "old"
+    program = Path(sys.executable).with_name("rosbags-convert")
+    to_sqlite = ["--src", ours, "--dst", bag, "--dst-storage", "sqlite3"]
+    subprocess.run([program, *to_sqlite], check=True, timeout=60)
+    with pytest.raises(RecordingError) as caught:
+        load_run(bag)
+    _, _, command = str(caught.value).partition("convert it: rosbags-convert ")
+    subprocess.run([program, *command.split()], check=True, timeout=60)
+    trajectory, info = read_flight(f"{bag}-mcap")
+    np.testing.assert_array_equal(trajectory.torque, FLIGHT.torque)
+    assert not info.missing
 
 
 @pytest.mark.parametrize("text", ["", "[]", "a: 1", "rosbag2_bagfile_information: {}", "\0"])
