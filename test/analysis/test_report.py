@@ -17,6 +17,8 @@ from flown_bags import fly, sections
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report import read_run, report_html
+from spacecraft_gnc.analysis.report.chart import Chart
+from spacecraft_gnc.analysis.report.page import paired
 from spacecraft_gnc.analysis.report.tables import _difference, _rounded, _Row
 from spacecraft_gnc.analysis.sources import stretches
 from spacecraft_gnc.cli.main import main
@@ -341,3 +343,25 @@ def test_a_page_that_cannot_be_is_refused_before_anything_is_read(
 )
 def test_counts_and_long_times_are_written_out(value, digits, sign, text):
     assert _rounded(value, digits, sign) == text
+
+
+@pytest.mark.parametrize(
+    ("shapes", "expected"),
+    [
+        ("ss", "ss"),
+        ("sss", "ssw"),
+        ("sssw", "ssww"),
+        ("stsw", "stsw"),
+        ("sttw", "wttw"),
+        ("sst", "ssw"),
+        ("swsssws", "wwsswww"),
+        ("", ""),
+    ],
+)
+def test_columns_end_alike(shapes: str, expected: str) -> None:
+    """s: a single chart, t: a tall one, w: a wide one."""
+    charts = [Chart(f"{i}", "", wide=s == "w", tall=s == "t") for i, s in enumerate(shapes)]
+    done = paired(charts)
+    assert "".join("w" if c.wide else "t" if c.tall else "s" for c in done) == expected
+    assert [chart.tall for chart in done] == [chart.tall for chart in charts]
+    assert [chart.name for chart in done] == [chart.name for chart in charts]

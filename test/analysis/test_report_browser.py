@@ -175,3 +175,35 @@ def test_it_can_be_printed(opened):
     pdf = base64.b64decode(opened.print_page())
     assert pdf.startswith(b"%PDF")
     assert console_errors(opened) == []
+
+
+BOXES = """
+return [...document.querySelectorAll(".chart")].map((chart) => {
+  const box = chart.getBoundingClientRect();
+  return [box.left, box.right, box.top, box.bottom];
+});
+"""
+PACKED = """
+return [...document.querySelectorAll(".chart")].every((chart) => chart.style.gridRowEnd);
+"""
+
+
+@pytest.mark.parametrize("page", [0, 1])
+@pytest.mark.parametrize("width", [1280, 700])
+def test_the_columns_have_no_gaps(browser, report, page, width):
+    browser.set_window_size(width, 900)
+    open_page(browser, report[page])
+    wait_until(browser, lambda: browser.execute_script(PACKED), "the diagrams are packed")
+    boxes = browser.execute_script(BOXES)
+    for left, right, top, bottom in boxes:
+        below = [b[2] for b in boxes if b[2] >= bottom and b[0] < right and b[1] > left]
+        assert below == [] or min(below) - bottom <= room(boxes, min(below), left, right)
+        over = [b for b in boxes if b[2] < bottom and b[3] > top and b[0] < right and b[1] > left]
+        assert over == [[left, right, top, bottom]], "diagrams overlap"
+
+
+def room(boxes, top, left, right):
+    """Return the room [px] there may be above a diagram: more only above a wide one."""
+    wide = max(b[1] - b[0] for b in boxes)
+    is_wide = any(b[2] == top and b[1] - b[0] == wide for b in boxes)
+    return 120.0 if is_wide and right - left < wide else 25.0

@@ -53,7 +53,7 @@ class Chart:
     scale
         Name of the y axis that may be switched between log and linear; empty: none.
     wide, tall
-        Whether it takes the whole width of the page, or the height of two others.
+        Whether it takes the whole width of the page, or is as high as two others.
     """
 
     name: str

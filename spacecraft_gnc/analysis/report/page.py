@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from importlib import resources
 from pathlib import Path
 from typing import Any, Final
@@ -60,7 +61,7 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
         "verdicts": tables.verdicts(runs),
         "run_options": _options(run.name for run in runs),
         "frames_note": html.escape(frames_note(runs, points)),
-        "charts": "".join(_chart(chart) for chart in charts),
+        "charts": "".join(_chart(chart) for chart in paired(charts)),
         "scenarios": tables.scenarios(runs),
         "recordings": tables.recordings(runs),
         "data": _embedded(data),
@@ -92,6 +93,44 @@ def _filled(page: str, parts: dict[str, str]) -> str:
     return "".join(done)
 
 
+def paired(charts: Sequence[Chart]) -> list[Chart]:
+    """Return the charts so that both columns end alike above each wide one, and at the end.
+
+    Where they would not, one more chart becomes wide: the last one that helps.
+    """
+    done: list[Chart] = []
+    group: list[Chart] = []
+    for chart in charts:
+        group.append(chart)
+        if chart.wide:
+            done += _balanced(group)
+            group = []
+    return done + _balanced(group)
+
+
+def _balanced(group: list[Chart]) -> list[Chart]:
+    wider = (
+        [*group[:i], replace(group[i], wide=True), *group[i + 1 :]]
+        for i in reversed(range(len(group)))
+    )
+    return min((group, *wider), key=_blank)
+
+
+def _blank(charts: Sequence[Chart]) -> int:
+    """Return how much is left blank, in heights of a chart, where each goes to the shorter side."""
+    left, right, blank = 0, 0, 0
+    for chart in charts:
+        height = 2 if chart.tall else 1
+        if chart.wide:
+            blank += abs(left - right)
+            left = right = max(left, right) + height
+        elif left <= right:
+            left += height
+        else:
+            right += height
+    return blank + abs(left - right)
+
+
 def _chart(chart: Chart) -> str:
     name, controls = chart.name, ""
     if chart.scale:
@@ -107,7 +146,7 @@ def _chart(chart: Chart) -> str:
         select = f'<select data-variants="{name}">{options}</select>'
         controls = f"<label class=control>shown as {select}</label>"
     note = chart.note or (chart.variants[0].note if chart.variants else "")
-    shape = (" wide" if chart.wide else "") + (" tall" if chart.tall else "")
+    shape = " wide" if chart.wide else ""
     return (
         f'<section class="chart{shape}" aria-labelledby="h-{name}"><div class=head>'
         f'<h3 id="h-{name}">{html.escape(chart.title)}</h3>{controls}</div>'

@@ -36,6 +36,20 @@ function connectVariants(select, chart) {
   });
 }
 
+// Each column goes on where its last diagram ends, whatever the height of the one beside it.
+const ROW = 2; // [px] of the grid, as in report.css
+const ROOM = 22; // [px] below a diagram
+function packCharts(charts) {
+  const observer = new ResizeObserver((changes) => {
+    for (const { target } of changes) {
+      const rows = Math.ceil((target.getBoundingClientRect().height + ROOM) / ROW);
+      target.style.gridRowEnd = `span ${rows}`;
+    }
+  });
+  for (const chart of charts.children) observer.observe(chart);
+  charts.classList.add("packed");
+}
+
 const chartNamed = (name) => report.charts.find((chart) => chart.name === name);
 
 async function drawReport() {
@@ -47,6 +61,7 @@ async function drawReport() {
     select.value = "0";
     connectVariants(select, chartNamed(select.dataset.variants));
   }
+  packCharts(document.querySelector(".charts"));
   await drawSphere(report.sphere);
   for (const chart of report.charts) await drawChart(chart);
   document.documentElement.dataset.ready = "true";

@@ -25,7 +25,7 @@ from spacecraft_gnc.types import Array
 
 _BINS: Final = 40
 _FEW: Final = 8  # iterations that each have a tick
-_WIDE: Final = 4.0  # decades beyond which only powers of ten have a tick
+_WIDE: Final = 2.5  # decades beyond which only powers of ten have a tick
 
 
 def solver_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:

@@ -137,4 +137,4 @@ def figure(
 
 def log_axis(title: str, **options: Any) -> dict[str, Any]:
     """Return a logarithmic axis."""
-    return axis(title, type="log", tickformat="~g", **options)
+    return axis(title, type="log", tickformat="~g", **{"nticks": 4, **options})
