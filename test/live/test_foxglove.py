@@ -179,3 +179,16 @@ def test_without_the_library_the_remedy_is_named(monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "foxglove", None)
     with pytest.raises(MissingDependency, match=r"pip install 'spacecraft_gnc\[view\]'"):
         foxglove.FoxgloveServer()
+
+
+def test_a_bag_stands_at_its_start_until_an_app_subscribes(stage) -> None:
+    with stage.serve() as app:
+        app.read()
+        looks = iter([False] * 20)
+        stage.play(lambda: next(looks, True))
+        assert stage.transport.paused
+        assert stage.transport.time() == stage.transport.start
+        app.subscribe()
+        wait_for_subscription(stage.server)
+        stage.play(ends(stage.transport))
+        assert stage.transport.over
