@@ -88,6 +88,7 @@ setup(
         "mcap>=1.2",
         "numba>=0.61",
         "numpy>=1.26",
+        "pillow>=10",
         "plotly>=6.0",
         "psutil>=5.9",
         "PyYAML>=6.0",
@@ -95,6 +96,7 @@ setup(
         "rosbags>=0.10",
         "scipy>=1.11",
         "typer>=0.12",
+        "zstandard>=0.22",
     ],
     extras_require=EXTRAS | {"all": sorted({need for needs in EXTRAS.values() for need in needs})},
     entry_points={

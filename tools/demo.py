@@ -47,7 +47,7 @@ def main() -> int:
         gnc("launch", SUN_MOON, "--out", governed)
         gnc("audit", governed)
         gnc("simulate", PD, "--out", pd, "--quiet")
-        gnc("plot", governed, pd, "--scenario", PD, "--animate", picture, "--title", TITLE)
+        gnc("plot", governed, pd, "--animate", picture, "--title", TITLE)
         gnc("report", governed, "--out", report)
     except subprocess.CalledProcessError as error:
         return error.returncode
