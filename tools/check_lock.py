@@ -102,7 +102,7 @@ def download(venv: Path, files: Path) -> Path:
     builders = files.parent / "builders.txt"
     blocks = re.split(r"\n(?=[A-Za-z0-9])", LOCK.read_text(encoding="utf-8"))
     builders.write_text("\n".join(b for b in blocks if re.match("(setuptools|wheel)==", b)))
-    exactly = ("-qq", "--no-deps", "--require-hashes")
+    exactly = ("-qq", "--retries", "10", "--no-deps", "--require-hashes")
     pip = (venv / "bin" / "python", "-m", "pip")
     output(*pip, "install", *exactly, "-r", builders)  # builds the metadata of what is source only
     output(*pip, "download", *exactly, "--no-build-isolation", "-r", LOCK, "-d", files)

@@ -100,8 +100,9 @@ def check_installed(venv: Path, requirement: str, extra: str) -> None:
     pins = re.findall(r"^[A-Za-z0-9][^\\\n]*", lock, flags=re.MULTILINE)
     constraints = venv / "constraints.txt"
     constraints.write_text("\n".join(pins), encoding="utf-8")
-    succeed(venv / "bin" / "python", "-m", "pip", "install", "-qq", "-c", constraints, requirement)
-    succeed(venv / "bin" / "python", "-m", "pip", "check", "-q")
+    pip = (venv / "bin" / "python", "-m", "pip")
+    succeed(*pip, "install", "-qq", "--retries", "10", "-c", constraints, requirement)
+    succeed(*pip, "check", "-q")
     gnc, flight = venv / "bin" / "gnc", venv / "flight.npz"
     succeed(gnc, "check", "gupta2015_case1")
     # Interpreted, for a flight of five steps: compiling takes a minute, and set-up has done it.
