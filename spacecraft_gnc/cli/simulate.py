@@ -117,7 +117,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         *((label, never if at is None else f"from {at:g} s") for label, at in settled),
         *_governor_rows(m),
         ("largest torque", f"{_text(m['max_torque'], 8)} N m, {_limit(m)}"),
-        ("sum of stage costs", _text(m["cost"], 10)),
+        ("sum of stage costs", _stage_costs(m)),
         ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
         ("iterations a solve", iterations),
         (f"time a {work}", _solve_times(m)),
@@ -148,9 +148,15 @@ def _governor_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         return []
     at, off = m["alpha_one_time"], m["final_reference_error_deg"]
     if at is not None:
-        return [("whole way allowed", f"from {at:g} s (alpha = 1)")]
+        return [("target admitted", f"from {at:g} s (alpha = 1)")]
     where = "" if off is None else f", reference {_text(off, 5)} deg from the target at the end"
-    return [("whole way allowed", f"never{where}")]
+    return [("target admitted", f"never{where}")]
+
+
+def _stage_costs(m: dict[str, Any]) -> str:
+    """Return the cost; a governor's moving reference makes it none of the way to the target."""
+    text = _text(m["cost"], 10)
+    return text if text == _NOTHING or m["error_to"] != "target" else f"{text}, to the reference"
 
 
 def _limit(m: dict[str, Any]) -> str:

@@ -151,7 +151,7 @@ def test_the_summary_tells_where_a_governor_stopped_and_what_it_could_not_keep()
     changes = {"reference_governor.max_torque": 0.003, "plant.duration": 2.0}
     metrics = summarize(load(GOVERNED, changes).build().run(), load(GOVERNED, changes))
     rows = module.summary_rows({**metrics, "inadmissible_steps": 3})
-    assert dict(rows)["whole way allowed"].startswith("never, reference 5")
+    assert dict(rows)["target admitted"].startswith("never, reference 5")
     assert ("warning", "no reference was admissible at 3 of 20 steps") in rows
     assert "warning" not in dict(module.summary_rows(metrics))
 
