@@ -60,14 +60,18 @@ def as_limit(name: str, value: object) -> float:
     return as_real(name, value, lambda x: x >= 0.0, "a number >= 0", "give 0 for no limit")
 
 
-def as_count(name: str, value: object, least: int = 1, remedy: str = "") -> int:
-    """Return a whole number as an int; raise ParameterError if it is none, or below ``least``."""
+def as_count(
+    name: str, value: object, least: int = 1, remedy: str = "", most: int = 2**31 - 1
+) -> int:
+    """Return a whole number as an int; raise ParameterError if it is none, or out of bounds."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    if isinstance(value, (int, np.integer)) and not isinstance(value, bool) and value >= least:
-        return int(value)
+    is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if is_whole and least <= value <= most:  # type: ignore[operator]
+        return int(value)  # type: ignore[call-overload, no-any-return]
+    bounds = f"at least {least}" if most == 2**31 - 1 else f"{least} to {most}"
     raise ParameterError(
-        f"{name}: received {shown(value)}; required a whole number, at least {least}; "
+        f"{name}: received {shown(value)}; required a whole number, {bounds}; "
         f"{remedy or f'give {max(least, 1)}'}"
     )
 

@@ -199,6 +199,8 @@ def require_all_played(source: Path, start: float, playback: Playback, played: P
 
 
 def _report(wish: Playing, playback: Playback, played: Played, domain_id: int) -> None:
+    from spacecraft_gnc.recording.playback import CLOCK
+
     for name in played.overrun:
         print(f"warning: a subscriber of {name} did not keep up", file=sys.stderr)
     count = sum(played.messages.values())
@@ -219,4 +221,9 @@ def _report(wish: Playing, playback: Playback, played: Played, domain_id: int) -
         print_json(answer)
     elif not wish.quiet:
         ended = f"ended at {played.position:g} s" if played.interrupted else "played to its end"
-        print(f"{wish.source}: {ended}, {count} messages in {played.wall_time:.3g} s")
+        ticks = (
+            f", {played.messages.get(CLOCK, 0)} of them clock ticks made here,"
+            if playback.ticks
+            else ""
+        )
+        print(f"{wish.source}: {ended}, {count} messages{ticks} in {played.wall_time:.3g} s")

@@ -131,7 +131,7 @@ class AttitudeOcp:
             "body": body,
             "inertia": body.inertia,
             "time_step": body.time_step,
-            "horizon": as_count("horizon", self.horizon, remedy="give 5"),
+            "horizon": as_count("horizon", self.horizon, remedy="give 5", most=10_000),
             "weights": require_kind("weights", self.weights, Weights),
             "max_torque": limit,
             "torque_penalty": weighed("torque_penalty", self.torque_penalty),

@@ -113,21 +113,23 @@ def _read_metadata(folder: Path) -> dict[str, Any] | None:
     file = folder / METADATA_NAME
     if not file.exists():
         return None
-    about = yaml.safe_load(file.read_text(encoding="utf-8"))
+    try:
+        about = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, yaml.YAMLError):
+        raise _bad_metadata(folder, "is no YAML") from None
+    if not isinstance(about, dict) or not isinstance(about.get(INFORMATION), dict):
+        raise _bad_metadata(folder, f"has no {INFORMATION}")
     return dict(about[INFORMATION])
 
 
 def _named(folder: Path, about: dict[str, Any]) -> list[Path]:
-    """Return the files that metadata.yaml names."""
+    """Return the files that metadata.yaml names, each once."""
     _refuse_sqlite(folder, about.get("storage_identifier") == "sqlite3")
-    with damage(folder):
-        # the oldest versions name them from the folder above
-        files = [folder / Path(str(name)).name for name in about["relative_file_paths"]]
-    if not files:
-        raise RecordingError(
-            f"{folder}: received a {METADATA_NAME} that names no file; {REQUIRED}; name a .mcap "
-            "file instead of the folder"
-        )
+    names = about.get("relative_file_paths")
+    if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
+        raise _bad_metadata(folder, "names no file in relative_file_paths")
+    # the oldest versions name them from the folder above
+    files = [*dict.fromkeys(folder / Path(name).name for name in names)]
     for file in files:
         if not file.exists():
             there = ", ".join(found.name for found in _stored(folder)) or "no .mcap file"
@@ -136,6 +138,14 @@ def _named(folder: Path, about: dict[str, Any]) -> list[Path]:
                 f"give the file back its name, or name a .mcap file instead of the folder"
             )
     return files
+
+
+def _bad_metadata(folder: Path, problem: str) -> RecordingError:
+    there = ", ".join(found.name for found in _stored(folder)) or "no .mcap file beside it"
+    return RecordingError(
+        f"{folder}: received a {METADATA_NAME} that {problem}; required one that lists the files "
+        f"of the bag ({there}); name the .mcap file instead of the folder"
+    )
 
 
 def _single(path: Path) -> Path:
@@ -192,6 +202,11 @@ def _unpacked(file: Path, stack: ExitStack) -> Path:
     copy = folder / file.name.removesuffix(".zstd")
     with damage(file), file.open("rb") as source, copy.open("wb") as target:
         zstandard.ZstdDecompressor().copy_stream(source, target)
+    if _ends(copy)[0] != MAGIC:
+        raise RecordingError(
+            f"{file}: received {file.stat().st_size} bytes that decompress to no MCAP file; "
+            "required a whole one; copy it again, it may have been cut off"
+        )
     return copy
 
 
@@ -207,9 +222,10 @@ def is_whole(file: Path) -> bool:
     if not head:
         raise RecordingError(f"{file}: received an empty file; {REQUIRED}; record again")
     if head != MAGIC:
-        raise RecordingError(
-            f"{file}: received a file that is not MCAP; {REQUIRED}; check the path"
-        )
+        is_packed = head.startswith(zstandard.FRAME_HEADER)
+        kind = "compressed by zstd" if is_packed else "not MCAP"
+        remedy = f"rename it to {file.name}.zstd" if is_packed else "check the path"
+        raise RecordingError(f"{file}: received a file that is {kind}; {REQUIRED}; {remedy}")
     return tail == MAGIC
 
 

@@ -91,3 +91,9 @@ def test_torques_of_a_wrong_shape_are_refused():
 def test_unknown_variants_are_refused():
     with pytest.raises(ParameterError, match="variant"):
         ShootingSolver(AttitudeOcp(INERTIA, 0.4, 5), variant="quick")
+
+
+@pytest.mark.parametrize("horizon", [10_001, 10**9, 10**30])
+def test_a_horizon_beyond_what_a_scenario_may_ask_for_is_refused(horizon: int) -> None:
+    with pytest.raises(ParameterError, match=r"horizon: received 1.*; required .* 1 to 10000"):
+        AttitudeOcp(inertia=np.eye(3), time_step=0.4, horizon=horizon)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 from mcap.writer import Writer
 from recording.bags import announce, flight_messages, random_flight, record
 from recording.foreign_bags import (
@@ -199,17 +200,42 @@ def test_the_remedy_for_sqlite_storage_is_one(ours, tmp_path):
     assert not info.missing
 
 
-@pytest.mark.parametrize("text", ["", "[]", "a: 1", "rosbag2_bagfile_information: {}", "\0"])
-def test_a_metadata_yaml_that_names_no_files(text, ours, tmp_path):
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("", "has no rosbag2_bagfile_information"),
+        ("[]", "has no rosbag2_bagfile_information"),
+        ("a text", "has no rosbag2_bagfile_information"),
+        ("a: 1", "has no rosbag2_bagfile_information"),
+        ("\0", "is no YAML"),
+        ("rosbag2_bagfile_information: {}", "names no file in relative_file_paths"),
+        ("rosbag2_bagfile_information: {relative_file_paths: []}", "names no file in"),
+        ("rosbag2_bagfile_information: {relative_file_paths: [1]}", "names no file in"),
+    ],
+)
+def test_a_metadata_yaml_that_names_no_files(text, problem, ours, tmp_path):
     bag = shutil.copytree(ours, tmp_path / "bag")
     (bag / "metadata.yaml").write_text(text)
-    refused(bag, "cannot be read as a ROS 2 bag")
+    refused(bag, f"metadata.yaml that {problem}", "(bag_0.mcap); name the .mcap file instead")
+    assert load_run(bag / "bag_0.mcap").trajectory.n_steps == FLIGHT.n_steps
 
 
-def test_a_metadata_yaml_with_an_empty_list(ours, tmp_path):
+def test_a_file_that_is_named_twice_is_read_once(ours, tmp_path):
     bag = shutil.copytree(ours, tmp_path / "bag")
-    edit(bag, lambda about: about.update(relative_file_paths=[]))
-    refused(bag, "names no file", "name a .mcap file instead of the folder")
+    edit(bag, lambda about: about.update(relative_file_paths=["bag_0.mcap", "bag_0.mcap"]))
+    np.testing.assert_array_equal(load_run(bag).trajectory.torque, FLIGHT.torque)
+    with open_bag(bag) as twice, open_bag(ours) as once:
+        assert twice.counts == once.counts
+
+
+def test_a_compressed_file_that_was_cut_off_is_named(ours, tmp_path):
+    packed = zstandard.ZstdCompressor().compress((ours / "bag_0.mcap").read_bytes())
+    cut = tmp_path / "bag_0.mcap.zstd"
+    cut.write_bytes(packed[:20])
+    refused(cut, f"{cut}: received 20 bytes that decompress to no MCAP file")
+    misnamed = tmp_path / "misnamed.mcap"
+    misnamed.write_bytes(packed)
+    refused(misnamed, "compressed by zstd", "rename it to misnamed.mcap.zstd")
 
 
 def test_files_of_one_bag_whose_recorder_was_killed(ours, tmp_path):
