@@ -16,11 +16,11 @@ settings.load_profile("fixed")
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Give workers whole files, and one of them every graph: two at a time would share two cores.
 
-    The graphs come first, for they take longest.
+    The graphs come first, for they take longest. The live pages go with them: both take free ports.
     """
     if config.pluginmanager.hasplugin("xdist"):
         for item in items:
-            graph = item.get_closest_marker("graph") is not None
+            graph = item.get_closest_marker("graph") is not None or item.path.parent.name == "live"
             item.add_marker(
                 pytest.mark.xdist_group(
                     "graph" if graph else f"{item.path.parent.name}/{item.path.name}"

@@ -99,11 +99,11 @@ class GncNode(LifecycleNode):
         plant = self.scenario.plant
         if step == 0 or plant.mode != "lockstep" or RECORDER not in plant.peers:
             return False
-        now = self.steady.now().nanoseconds / 1e9
-        if self._called and self._matched_at is None:
+        now, matched_at = self.steady.now().nanoseconds / 1e9, self._matched_at
+        is_settled = matched_at is not None and now - matched_at >= _SETTLING
+        if self._called and matched_at is None:
             self._matched_at = now
         self._asked += 1
-        is_settled = self._matched_at is not None and now - self._matched_at >= _SETTLING
         return not is_settled and self._asked <= _MOST_REPEATS
 
     # Transitions.

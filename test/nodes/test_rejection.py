@@ -23,6 +23,13 @@ ZERO = np.zeros(3)
 IDENTITY = np.eye(3)
 
 
+@pytest.fixture(autouse=True)
+def _settled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "spacecraft_gnc.nodes._node._SETTLING", 0.0
+    )  # else each test takes a second
+
+
 def started(node: GncNode) -> Any:
     node.trigger_configure()
     node.trigger_activate()
