@@ -1,7 +1,7 @@
 """Checks of single arguments: numbers, counts, words, objects and paths.
 
 Every refusal names the argument, the value, what is required and what to give. Arrays are checked
-by `spacecraft_gnc.types`.
+by `spacecraft_gnc.arrays` and `spacecraft_gnc.types`.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from spacecraft_gnc.errors import ParameterError
 
 T = TypeVar("T")
+_MOST = 2**31 - 1  # of a count that has no other bound
 _LONGEST = 100  # letters of a value that a message shows
 
 
@@ -36,8 +37,7 @@ def as_real(
     ParameterError
         If it is none, such as a bool or a text, or does not satisfy ``holds``.
     """
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
+    value = _unwrapped(value)
     number = math.nan
     if isinstance(value, Real) and not isinstance(value, bool):
         try:
@@ -47,6 +47,11 @@ def as_real(
     if not (math.isfinite(number) and holds(number)):
         raise ParameterError(f"{name}: received {shown(value)}; required {need}; {remedy}")
     return number
+
+
+def _unwrapped(value: object) -> object:
+    """Return the number in an array of no dimension; anything else as it is."""
+    return value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
 def require_positive(name: str, value: object) -> float:
@@ -60,16 +65,13 @@ def as_limit(name: str, value: object) -> float:
     return as_real(name, value, lambda x: x >= 0.0, "a number >= 0", "give 0 for no limit")
 
 
-def as_count(
-    name: str, value: object, least: int = 1, remedy: str = "", most: int = 2**31 - 1
-) -> int:
+def as_count(name: str, value: object, least: int = 1, remedy: str = "", most: int = _MOST) -> int:
     """Return a whole number as an int; raise ParameterError if it is none, or out of bounds."""
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        value = value[()]
+    value = _unwrapped(value)
     is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if is_whole and least <= value <= most:  # type: ignore[operator]
         return int(value)  # type: ignore[call-overload, no-any-return]
-    bounds = f"at least {least}" if most == 2**31 - 1 else f"{least} to {most}"
+    bounds = f"at least {least}" if most == _MOST else f"{least} to {most}"
     raise ParameterError(
         f"{name}: received {shown(value)}; required a whole number, {bounds}; "
         f"{remedy or f'give {max(least, 1)}'}"

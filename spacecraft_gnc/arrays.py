@@ -12,6 +12,7 @@ from spacecraft_gnc.errors import ParameterError, ShapeError
 
 Array: TypeAlias = NDArray[np.float64]
 FLOAT64: Final = np.dtype(np.float64)
+_COUNT: Final = "check the number of entries"
 _LISTED: Final = 9  # numbers of an array that a message shows
 
 
@@ -19,7 +20,7 @@ def as_shaped(
     name: str,
     value: object,
     shape: tuple[int, ...],
-    remedy: str = "check the number of entries",
+    remedy: str = _COUNT,
 ) -> Array:
     """Return ``value`` as a float64 array of a shape; NaN and infinity pass.
 
@@ -33,9 +34,7 @@ def as_shaped(
     required = f"an array of shape {shape}"
     array = as_float(name, value, required)
     if array.shape != shape:
-        raise ShapeError(
-            f"{name}: received an array of shape {array.shape}; required {required}; {remedy}"
-        )
+        raise _wrong_shape(name, array, required, remedy)
     return array
 
 
@@ -49,10 +48,7 @@ def as_stack(name: str, value: object) -> Array:
     """
     array = as_float(name, value, "an array of shape (..., 3, 3)")
     if array.shape[-2:] != (3, 3):
-        raise ShapeError(
-            f"{name}: received an array of shape {array.shape}; required (..., 3, 3); stack one "
-            "matrix in each row"
-        )
+        raise _wrong_shape(name, array, "(..., 3, 3)", "stack one matrix in each row")
     return array
 
 
@@ -66,10 +62,7 @@ def as_rows(name: str, value: object, columns: int) -> Array:
     """
     array = np.atleast_2d(as_float(name, value, f"rows of {columns} numbers"))
     if array.ndim != 2 or array.shape[1] != columns:
-        raise ShapeError(
-            f"{name}: received an array of shape {array.shape}; required (n, {columns}); give one "
-            "row for each step"
-        )
+        raise _wrong_shape(name, array, f"(n, {columns})", "give one row for each step")
     return array
 
 
@@ -85,10 +78,7 @@ def as_finite(name: str, value: object, shape: tuple[int, ...], required: str) -
     """
     array = as_float(name, value, required)
     if array.shape != shape:
-        raise ShapeError(
-            f"{name}: received an array of shape {array.shape}; required {required}; "
-            "check the number of entries"
-        )
+        raise _wrong_shape(name, array, required, _COUNT)
     if not np.isfinite(array).all():
         raise ParameterError(
             f"{name}: received {listed(array.ravel())}; required finite numbers; "
@@ -97,6 +87,12 @@ def as_finite(name: str, value: object, shape: tuple[int, ...], required: str) -
     array = np.ascontiguousarray(array)
     array.setflags(write=False)
     return array
+
+
+def _wrong_shape(name: str, array: Array, required: str, remedy: str) -> ShapeError:
+    return ShapeError(
+        f"{name}: received an array of shape {array.shape}; required {required}; {remedy}"
+    )
 
 
 def listed(values: NDArray[np.floating[Any]]) -> str:
