@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import pty
@@ -9,6 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,21 +24,31 @@ ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 60.0  # [s] wall
 
 
-def gnc(*argv: str) -> subprocess.Popen[str]:
-    return subprocess.Popen(
+@contextlib.contextmanager
+def gnc(*argv: str, terminal: int | None = None) -> Iterator[subprocess.Popen[str]]:
+    """A command beside the test, which ends at the latest with it."""
+    with subprocess.Popen(
         [sys.executable, "-m", "spacecraft_gnc", *argv],
         cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm-256color"},
+        stdout=subprocess.PIPE if terminal is None else terminal,
+        stderr=subprocess.PIPE if terminal is None else terminal,
         text=True,
-    )
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def free_domain() -> str:
-    lock = domain.claim_free({"test": "view"})
-    lock.release()
-    return str(lock.domain_id)
+    """Return a domain that stays free until the flight: every other test takes the lowest."""
+    for domain_id in reversed(domain._FREE_DOMAINS):
+        with contextlib.suppress(domain.DomainTaken):
+            domain.claim_given(domain_id, {"test": "view"}).release()
+            if domain._ports_free(domain_id):
+                return str(domain_id)
+    raise AssertionError("no domain is free")
 
 
 class Watcher(threading.Thread):
@@ -123,8 +135,6 @@ def test_watch_follows_a_flight_to_its_end(graph: Any) -> None:
 def test_on_a_terminal_it_is_a_dashboard_that_ctrl_c_ends(graph: Any, at: Any) -> None:
     chosen = free_domain()
     ours, theirs = pty.openpty()
-    command = [sys.executable, "-m", "spacecraft_gnc", "inspect", "watch", "--domain-id", chosen]
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}
     seen: list[bytes] = []
     whole = threading.Event()
 
@@ -137,9 +147,8 @@ def test_on_a_terminal_it_is_a_dashboard_that_ctrl_c_ends(graph: Any, at: Any) -
             if b"deadlines missed" in b"".join(seen):
                 whole.set()
 
-    with subprocess.Popen(
-        [*command, "--timeout", "60"], cwd=ROOT, env=environment, stdout=theirs, stderr=theirs
-    ) as watch:
+    command = ("inspect", "watch", "--domain-id", chosen, "--timeout", "60")
+    with gnc(*command, terminal=theirs) as watch:
         os.close(theirs)
         threading.Thread(target=read, daemon=True).start()
 
