@@ -4,6 +4,10 @@ S = (tr(Q) I - Q)/2 turns |Q^(1/2) hat(a)|_F^2 / 2 into a . S a. The m controls 
 eigenvectors V of their weight S3 = V diag(d) V^T: z = V^T u, and torque = G^T z with the rows of
 G = V^T B^T. From D_U on stand d (m), then G (m x 3).
 
+U_UNIT, MADE_OF and MADE_OF_PI scale tolerances only. U_UNIT is the mean eigenvalue of the torque's
+sensitivity to lam2, to which Levenberg's term is relative; MADE_OF + MADE_OF_PI |Pi| bounds the sum
+of the terms of a lam2, below whose rounding no solve can get.
+
 LOG_FORM is 1 for the cost of Kalabic et al. 2014, (24)-(26), and 0 for that of Gupta et al. 2015,
 (27), (28); only the former reads Q_RATE (lambda Q2 / h^2) and P_LOG (6 x 6 weight of (Z, Pi)).
 MU0 is infinite for a hard torque limit.
@@ -15,7 +19,8 @@ from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, mat_vec
 
 H, ALPHA, MU0 = 0, 1, 2
-Q1, P1, S_Q2, S_P2, LOG_FORM, Q_RATE, P_LOG, M_U, D_U = 3, 12, 21, 30, 39, 40, 49, 85, 86
+Q1, P1, S_Q2, S_P2, LOG_FORM, Q_RATE, P_LOG = 3, 12, 21, 30, 39, 40, 49
+U_UNIT, MADE_OF, MADE_OF_PI, M_U, D_U = 85, 86, 87, 88, 89
 
 
 @kernel

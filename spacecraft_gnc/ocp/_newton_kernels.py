@@ -12,8 +12,19 @@ import math
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, dot, load3, scale, store3
-from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, MU0, P1, Q1, H
-from spacecraft_gnc.ocp._stage_kernels import horizon_cost
+from spacecraft_gnc.ocp._data_kernels import (
+    ALPHA,
+    D_U,
+    M_U,
+    MADE_OF,
+    MADE_OF_PI,
+    MU0,
+    P1,
+    Q1,
+    U_UNIT,
+    H,
+)
+from spacecraft_gnc.ocp._stage_kernels import SIGMA_AT, Z_AT, horizon_cost
 from spacecraft_gnc.ocp._sweep_kernels import (
     descent_at_saddle,
     evaluate,
@@ -28,11 +39,14 @@ SADDLE = 8
 BACKTRACKING, FULL, DAMPED, CHORD = range(4)  # equal to the places in shooting.STEP_RULES
 SUFFICIENT_DECREASE = 1e-4
 SMALLEST_STEP = 1e-3  # below it, a Levenberg term bends the step instead of shortening it further
-FIRST_LEVENBERG, LARGEST_LEVENBERG = 1e-3, 1e10
+FIRST_LEVENBERG, LARGEST_LEVENBERG = 1e-3, 1e10  # in units of 1 / U_UNIT
 FAST = 0.1  # fall of the residual in one step that shows Newton at its best
 LOCAL = 2.0  # residual, relative to the multipliers, from which Newton is expected at its best
 CONTRACTION = 0.5  # of the residual in one step, with which a kept Jacobian is still good
 SADDLES = 5  # saddle points that a solve leaves before it gives up
+ARRIVED = -3  # no status: Newton's full correction is within rounding of the guess
+SMALLEST_CORRECTION = 1e-10  # of the multipliers, relative to the largest
+ROUNDING = 2.0**-52
 
 
 @kernel
@@ -126,17 +140,23 @@ def _flat(problem, norm):
 
 
 @kernel
-def _searched_step(problem, horizon, work, rho, estimated, norm, local):
+def _searched_step(problem, horizon, work, rho, estimated, norm, local, stagnant):
     """One step that makes progress, with ``rho`` raised until there is one.
 
     ``local``: Newton is expected at its best, and the cost is worked out only if it is not.
+    ``stagnant``: the last step left the residual as it was; where Newton's correction is too small
+    to matter, the conditions hold as well as they can, and none is made.
     Returns status, residual, pattern, the rho of the step, that to go on with.
     """
-    guess, trial, _, _, fac = work
+    guess, trial, _, step, fac = work
+    unit = 1.0 / problem[1][U_UNIT]
     cost = math.nan if local else _cost(problem, horizon)
     while rho <= LARGEST_LEVENBERG:
-        indefinite = _linearise(problem, horizon, fac, rho, estimated)
-        slope = _newton_step(problem, work, rho)
+        indefinite = _linearise(problem, horizon, fac, rho * unit, estimated)
+        slope = _newton_step(problem, work, rho * unit)
+        plain = stagnant and rho == 0.0 and not estimated
+        if plain and largest_row(step, 0) <= SMALLEST_CORRECTION * largest_row(guess, 0):
+            return ARRIVED, norm, 0, 0.0, 0.0
         descends = indefinite < 0 and (slope < 0.0 or slope <= _flat(problem, norm))
         good, gamma, new_norm, pattern = False, 1.0, norm, 0
         if descends:
@@ -204,28 +224,79 @@ def _leave_saddle(problem, horizon, work, stage):
 
 
 @kernel
-def _costate_size(lam):
+def largest_row(rows, column):
+    """Largest norm of the vectors that stand in the rows from a column on."""
     largest = 0.0
-    for k in range(lam.shape[0]):
-        l2 = load3(lam, k, 3)
-        largest = max(largest, dot(l2, l2))
+    for k in range(rows.shape[0]):
+        x = load3(rows, k, column)
+        largest = max(largest, dot(x, x))
     return math.sqrt(largest)
+
+
+@kernel
+def rounding_of(data, Pi):
+    """What rounding may leave of the conditions, by the size of the terms that lam2 adds up."""
+    made_of = data[MADE_OF] + data[MADE_OF_PI] * largest_row(Pi, 0)
+    return ROUNDING * (Pi.shape[0] - 1) * made_of
+
+
+@kernel
+def conditions_hold(data, lam, Pi, norm, tolerance):
+    """Whether the residual is small beside the multipliers, or within rounding of their terms."""
+    return norm <= tolerance * largest_row(lam, 3) or norm <= rounding_of(data, Pi)
+
+
+@kernel
+def is_stationary(data, lam, W, left):
+    """Whether the torques of W make the cost stationary but for ``left`` of the multipliers.
+
+    The gradient is formed anew, from the torques alone: (S3 + 2 mu0 max(0, |u|^2 - alpha)) u minus
+    B^T lam2. Rounding of |u|^2 enters it times 2 mu0; a hard limit is held to that rounding.
+    """
+    m, alpha, mu0 = int(data[M_U]), data[ALPHA], data[MU0]
+    size, largest, gains = 0.0, 0.0, 0.0
+    for i in range(m):
+        g = D_U + m + 3 * i
+        gains += data[g] * data[g] + data[g + 1] * data[g + 1] + data[g + 2] * data[g + 2]
+    for k in range(lam.shape[0]):
+        l2, zz, ee, pulls = load3(lam, k, 3), 0.0, 0.0, 0.0
+        for i in range(m):
+            zz += W[k, Z_AT + i] * W[k, Z_AT + i]
+        sigma, allowed = 0.0, 0.0
+        if alpha > 0.0 and math.isinf(mu0):
+            sigma = W[k, SIGMA_AT]
+            if zz > alpha * (1.0 + 8.0 * ROUNDING) or (sigma > 0.0 and zz < alpha * (1.0 - 1e-9)):
+                return False
+        elif alpha > 0.0 and zz > alpha * (1.0 - 8.0 * ROUNDING):
+            sigma = max(0.0, 2.0 * mu0 * (zz - alpha))
+            allowed = 32.0 * ROUNDING * mu0 * zz * math.sqrt(zz)
+        for i in range(m):
+            g = D_U + m + 3 * i
+            pull = data[g] * l2[0] + data[g + 1] * l2[1] + data[g + 2] * l2[2]
+            e = (data[D_U + i] + sigma) * W[k, Z_AT + i] - pull
+            ee += e * e
+            pulls += pull * pull
+        largest = max(largest, pulls)
+        size = max(size, math.sqrt(ee) - allowed)
+    return size <= 2.0 * math.sqrt(gains) * left + 32.0 * ROUNDING * math.sqrt(largest)
 
 
 @kernel
 def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, max_steps):
     """Iterate from the guess in ``work``; returns status, steps, residual, curvature."""
-    h, fac = problem[1][H], work[4]
+    data, fac = problem[1], work[4]
+    h = data[H]
     status, norm, pattern = _at(problem, horizon, work[0], work[2])
     if status != CONVERGED:
         return status, 0, math.inf, math.nan
-    local = norm <= LOCAL * _costate_size(horizon[3])
-    rho, saddles, steps = 0.0, 0, 0
+    _, Pi, _, lam, W = horizon
+    local = norm <= LOCAL * largest_row(lam, 3)
+    rho, saddles, steps, stagnant = 0.0, 0, 0, True
     certifying = False  # a factorisation that the chord kept from an earlier solve does not
     while True:
         if not math.isfinite(norm):
             return NOT_FINITE, steps, norm, math.nan
-        if norm <= tolerance * (1.0 + _costate_size(horizon[3])):
+        if status == ARRIVED or conditions_hold(data, lam, Pi, norm, tolerance):
             # This solve's last linearisation certifies, unless other limits act since.
             stage = -1
             if kept[0] == 0 or kept[1] != pattern or not certifying:
@@ -233,7 +304,9 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
                 kept[0], kept[1] = 1, pattern
             pivot = smallest_pivot(h, fac)
             if pivot > 0.0:
-                return CONVERGED, steps, norm, pivot
+                left = max(norm, rounding_of(data, Pi))
+                done = CONVERGED if is_stationary(data, lam, W, left) else LINE_SEARCH_FAILED
+                return done, steps, norm, pivot
             kept[0] = 0
             if stage < 0 or rule != BACKTRACKING or saddles == SADDLES or steps >= max_steps:
                 return SADDLE, steps, norm, pivot
@@ -256,10 +329,12 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
             status, norm, pattern = _fixed_step(problem, horizon, work, gamma, estimated)
         else:
             status, norm, pattern, used, rho = _searched_step(
-                problem, horizon, work, rho, estimated, norm, local
+                problem, horizon, work, rho, estimated, norm, local, stagnant
             )
-        local = norm <= FAST * last_norm
+        if status == ARRIVED:
+            pattern = before
+        local, stagnant = norm <= FAST * last_norm, norm > CONTRACTION * last_norm
         kept[0], kept[1] = 1 if used == 0.0 and not estimated else 0, before
         certifying = True
-        if status != CONVERGED:
+        if status not in (CONVERGED, ARRIVED):
             return status, steps, norm, math.nan

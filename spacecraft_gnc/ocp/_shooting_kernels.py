@@ -10,6 +10,7 @@ import math
 
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
+    body_inertia,
     body_nonstandard_inertia,
     relative_quaternion,
     rotate_back,
@@ -48,6 +49,7 @@ from spacecraft_gnc.ocp._newton_kernels import (
     SINGULAR,
     SUFFICIENT_DECREASE,
     UNSOLVABLE_STEP,
+    conditions_hold,
 )
 from spacecraft_gnc.ocp._stage_kernels import (
     A_AT,
@@ -102,6 +104,13 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
     E1 = sub(l1, vee_antisymmetric(mat_t_mat(R_k, data9(track, 9))))
     E2 = add(l2, mat_vec(data9(data, S_P2), Pi_k))
     return CONVERGED, E1, E2
+
+
+@kernel
+def lever(problem):
+    """Step over mean inertia: what turns lam1 into the units of lam2."""
+    J = body_inertia(problem[0])
+    return 3.0 * problem[1][H] / (J[0] + J[4] + J[8])
 
 
 @kernel
@@ -182,7 +191,8 @@ def solve_linear(A, b):
 
 
 @kernel
-def _norm(E1, E2):
+def _norm(problem, E1, E2):
+    E1 = scale(lever(problem), E1)
     return math.sqrt(dot(E1, E1) + dot(E2, E2))
 
 
@@ -192,20 +202,23 @@ def _shoot(problem, horizon):
     body, data, zones, track = problem
     R, Pi, u, lam, W = horizon
     status, E1, E2 = propagate_horizon(body, data, zones, track, R, Pi, u, lam, W)
-    return status, E1, E2, _norm(E1, E2) if status == CONVERGED else math.inf
+    return status, E1, E2, _norm(problem, E1, E2) if status == CONVERGED else math.inf
 
 
 @kernel
-def _direction(T, E, E1, E2):
-    """Solve E d = (E1, E2) with the Jacobian in E, which stays; returns d1, d2 and success."""
-    A, b = T[:, :6], T[0, 6:]
+def _direction(problem, T, E, E1, E2):
+    """Solve E d = (E1, E2) with the Jacobian in E, which stays; returns d1, d2 and success.
+
+    lam1 and its conditions are counted in the units of lam2: pivots are compared.
+    """
+    A, b, c = T[:, :6], T[0, 6:], lever(problem)
     for i in range(6):
         for j in range(6):
-            A[i, j] = E[i, j]
-    b[0], b[1], b[2] = E1
+            A[i, j] = E[i, j] * (c if i < 3 else 1.0) / (c if j < 3 else 1.0)
+    b[0], b[1], b[2] = scale(c, E1)
     b[3], b[4], b[5] = E2
     done = solve_linear(A, b)
-    return (b[0], b[1], b[2]), (b[3], b[4], b[5]), done
+    return scale(1.0 / c, (b[0], b[1], b[2])), (b[3], b[4], b[5]), done
 
 
 @kernel
@@ -222,7 +235,7 @@ def _step(problem, horizon, T, E, E1, E2, norm, rule, damping, good_jacobian):
     (``good_jacobian`` false): once, and LINE_SEARCH_FAILED where it does not contract.
     """
     lam = horizon[3]
-    d1, d2, done = _direction(T, E, E1, E2)
+    d1, d2, done = _direction(problem, T, E, E1, E2)
     if not done:
         return SINGULAR, E1, E2, norm
     x1, x2 = load3(lam, 0), load3(lam, 0, 3)
@@ -254,8 +267,7 @@ def newton_shooting(problem, horizon, T, E, kept, rule, damping, estimated, tole
     for steps in range(max_steps + 1):
         if status != CONVERGED:
             return status, steps, norm
-        l2 = load3(lam, 0, 3)
-        if norm <= tolerance * (1.0 + math.sqrt(dot(l2, l2))):
+        if conditions_hold(data, lam, Pi, norm, tolerance):
             return CONVERGED, steps, norm
         if not math.isfinite(norm):
             return NOT_FINITE, steps, norm

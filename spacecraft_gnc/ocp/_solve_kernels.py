@@ -25,7 +25,16 @@ from spacecraft_gnc.lie._mat3_kernels import (
     vee_antisymmetric,
 )
 from spacecraft_gnc.ocp._data_kernels import D_U, M_U
-from spacecraft_gnc.ocp._newton_kernels import CHORD, CONVERGED, SADDLE, newton
+from spacecraft_gnc.ocp._newton_kernels import (
+    CHORD,
+    CONVERGED,
+    LINE_SEARCH_FAILED,
+    SADDLE,
+    is_stationary,
+    largest_row,
+    newton,
+    rounding_of,
+)
 from spacecraft_gnc.ocp._shooting_kernels import newton_shooting
 from spacecraft_gnc.ocp._stage_kernels import (
     Z_AT,
@@ -34,15 +43,21 @@ from spacecraft_gnc.ocp._stage_kernels import (
     squared_control,
     work_size,
 )
-from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE, factorize, smallest_pivot
+from spacecraft_gnc.ocp._sweep_kernels import (
+    FACTOR_SIZE,
+    factorize,
+    smallest_pivot,
+    sweep_residual,
+)
 from spacecraft_gnc.ocp._terminal_kernels import set_track
 from spacecraft_gnc.types import Array
 
-BAD_STATE, BAD_REFERENCE = -1, -2
+BAD_STATE, BAD_REFERENCE, BAD_GUESS = -1, -2, -4
 ROTATION_ERROR_SQUARED = 1e-12  # square of types.ROTATION_TOLERANCE
 _VECTORS = 12  # columns of guess, trial, resid, step
 _SINGLE = 108  # numbers of the Jacobian (6, 6) and its carrier (6, 12) of single shooting
 _TRACK = 27
+FORWARD_LOSS = 100.0  # of the tolerance, between costates run forward and backward
 _INPUTS = 21  # numbers of the state and reference that a batch hands to `solve`
 
 
@@ -62,6 +77,15 @@ def is_rotation(R):
         e = S[i] - (1.0 if i % 4 == 0 else 0.0)
         error += e * e
     return error <= ROTATION_ERROR_SQUARED and inverse(R)[1] > 0.0
+
+
+@kernel
+def _is_finite(rows):
+    total = 0.0
+    for k in range(rows.shape[0]):
+        for i in range(rows.shape[1]):
+            total += 0.0 * rows[k, i]
+    return total == 0.0
 
 
 @kernel
@@ -131,9 +155,14 @@ def _sweep(problem, horizon, work, kept, warm, rule, damping, estimated, toleran
 
 
 @kernel
-def _shoot(problem, horizon, fac, rest, kept, warm, options):
-    """Solve by single shooting from row 0 of ``warm``; the sweep certifies what it finds."""
+def _shoot(problem, horizon, work, rest, kept, warm, options):
+    """Solve by single shooting from row 0 of ``warm``; the sweep certifies what it finds.
+
+    Run backward, the costates are those of the torques found; what they miss of the forward ones is
+    the residual, of which `FORWARD_LOSS` allows for the way over the horizon.
+    """
     body, data, zones, track = problem
+    guess, resid, fac = work[0], work[2], work[4]
     R, Pi, _, lam, W = horizon
     rule, damping, estimated, tolerance, max_steps = options
     T, E = rest[:72].reshape((6, 12)), rest[72:_SINGLE].reshape((6, 6))
@@ -144,6 +173,12 @@ def _shoot(problem, horizon, fac, rest, kept, warm, options):
     )
     if status != CONVERGED:
         return status, steps, norm, math.nan
+    for k in range(lam.shape[0]):
+        store3(guess, k, load3(lam, k, 3))
+    _, norm = sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W)
+    left = FORWARD_LOSS * max(tolerance * largest_row(lam, 3), rounding_of(data, Pi))
+    if norm > left or not is_stationary(data, lam, W, left):
+        return LINE_SEARCH_FAILED, steps, norm, math.nan
     factorize(body, data, zones, track, R, Pi, lam, W, fac, 0.0, False)
     pivot = smallest_pivot(data[0], fac)
     return (CONVERGED if pivot > 0.0 else SADDLE), steps, norm, pivot
@@ -168,6 +203,8 @@ def solve(
         return BAD_STATE, 0, nan, nan, nan, nan, nan, nan
     if not is_rotation(R_ref):
         return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
+    if not _is_finite(warm):
+        return BAD_GUESS, 0, nan, nan, nan, nan, nan, nan
     problem, W, work, rest = carve(arena, N, margins.shape[0])
     set_track(problem[1], R_ref, problem[3])
     store9(R, 0, R_0)
@@ -177,9 +214,7 @@ def solve(
         kept[0], kept[2] = 0, 0
     if single:
         options = (rule, damping, estimated, tolerance, max_steps)
-        status, steps, norm, pivot = _shoot(
-            problem, horizon, work[4], rest, kept[2:], warm, options
-        )
+        status, steps, norm, pivot = _shoot(problem, horizon, work, rest, kept[2:], warm, options)
     else:
         status, steps, norm, pivot = _sweep(
             problem, horizon, work, kept[:2], warm, rule, damping, estimated, tolerance, max_steps

@@ -54,6 +54,8 @@ from spacecraft_gnc.ocp._terminal_kernels import (
 M_AT, A_AT, P_AT, SIGMA_AT, Z_AT = 9, 18, 27, 30, 31
 # Columns of a row of ``zones``: body axis v, inertial axis d, cosine, sign (+1 exclusion), weight.
 ZONE_SIZE = 9
+# From far below, where the limit is soft, sigma at least triples in a step.
+SECULAR_STEPS = 100
 
 
 def work_size(m: int) -> int:
@@ -65,11 +67,13 @@ def work_size(m: int) -> int:
 def _secular(data, W, k, sigma):
     """Find sigma >= 0 with |z|^2 = alpha + sigma / (2 mu0), z_i = y_i / (d_i + sigma), y in W.
 
-    Newton on 1/|z| = 1/sqrt(alpha + sigma/(2 mu0)): nearly linear, and free of cancellation.
+    Newton on 1/|z| = 1/sqrt(alpha + sigma/(2 mu0)): nearly linear, and free of cancellation. The
+    difference of its sides is convex and falls in sigma, so that Newton converges from anywhere; at
+    a step of 1e-9 of the smallest d + sigma, the next one is below rounding.
     """
     alpha, mu0 = data[ALPHA], data[MU0]
     m = int(data[M_U])
-    for _ in range(50):
+    for _ in range(SECULAR_STEPS):
         zz, bend = 0.0, 0.0
         for i in range(m):
             d = data[D_U + i] + sigma
@@ -81,7 +85,7 @@ def _secular(data, W, k, sigma):
         root = math.sqrt(bound)
         change = (1.0 / root - 1.0 / norm) / (bend / (zz * norm) + 0.25 / (mu0 * bound * root))
         sigma = max(0.0, sigma + change)
-        if abs(change) <= 1e-9 * (1.0 + sigma):
+        if abs(change) <= 1e-9 * (data[D_U] + sigma):  # d is sorted
             break
     return sigma
 

@@ -99,12 +99,23 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
 
 
 @kernel
+def sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W):
+    """Sweep the costates of a rollout; returns the pattern of zones and |lam2 - guess|."""
+    pattern, total = sweep_costates(data, zones, track, R, Pi, lam, W), 0.0
+    for k in range(guess.shape[0]):
+        r = sub(load3(lam, k, 3), load3(guess, k))
+        store3(resid, k, r)
+        total += dot(r, r)
+    return pattern, math.sqrt(total)
+
+
+@kernel
 def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
     """Fill one horizon from ``guess``; returns status, |resid|, pattern of active limits."""
     N = u.shape[0]
     h, Jd = data[H], body_nonstandard_inertia(body)
     R_k, Pi_k = load9(R, 0), load3(Pi, 0)
-    pattern, total = 0, 0.0
+    pattern = 0
     for k in range(N):
         q0, q, ok = relative_quaternion(body, h, Pi_k)
         if not ok:
@@ -119,12 +130,8 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
         Pi_k = add(p, scale(h, u_k))
         store9(R, k + 1, R_k)
         store3(Pi, k + 1, Pi_k)
-    pattern = 7 * pattern + sweep_costates(data, zones, track, R, Pi, lam, W)
-    for k in range(N):
-        r = sub(load3(lam, k, 3), load3(guess, k))
-        store3(resid, k, r)
-        total += dot(r, r)
-    return SOLVED, math.sqrt(total), pattern
+    active, norm = sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W)
+    return SOLVED, norm, 7 * pattern + active
 
 
 @kernel

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.arrays import as_rows, as_shaped, as_stack
+from spacecraft_gnc.arrays import as_finite, as_rows, as_stack
 from spacecraft_gnc.errors import ShapeError
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
@@ -62,7 +62,8 @@ def solve_many(
     n, steps = len(states), solver.ocp.horizon
     R, Pi = np.empty((n, steps + 1, 3, 3)), np.empty((n, steps + 1, 3))
     if warm_starts is not None:  # a copy: one array of one type for the one compiled kernel
-        warm_starts = np.array(as_shaped("warm_starts", warm_starts, (n, steps, 6)), order="C")
+        shape = (n, steps, 6)
+        warm_starts = np.array(as_finite("warm_starts", warm_starts, shape, f"multipliers {shape}"))
     u, lam = np.empty((n, steps, 3)), np.empty((n, steps + 1, 6))
     margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
     solver.run_batch(states, target, warm_starts, (R, Pi, u, lam, margins), numbers)

@@ -254,12 +254,27 @@ def _pack(ocp: AttitudeOcp) -> Array:
         np.ravel(np.asarray(w.terminal_attitude)),
         _half_trace_minus(w.stage_momentum).ravel(),
         _half_trace_minus(w.terminal_momentum).ravel(),
-        np.zeros(_data_kernels.M_U - _data_kernels.LOG_FORM),  # read in the log form only
+        np.zeros(_data_kernels.U_UNIT - _data_kernels.LOG_FORM),  # read in the log form only
+        _scales(ocp),
         np.array([float(ocp.n_controls)]),
         ocp.control_weights,
         (ocp.torque_map @ ocp.control_axes).T.ravel(),
     ]
     return read_only(np.concatenate(numbers))
+
+
+def _scales(ocp: AttitudeOcp) -> Array:
+    """Return what `_data_kernels` calls U_UNIT, MADE_OF and MADE_OF_PI."""
+    w, span = ocp.weights, ocp.horizon * ocp.time_step
+    attitude = _size(w.terminal_attitude) + span * _size(w.stage_attitude)
+    momentum = _size(w.terminal_momentum) + span * _size(w.stage_momentum)
+    slowness = span / float(np.linalg.eigvalsh(ocp.body.inertia)[0])
+    gains = ocp.torque_map @ ocp.control_axes
+    return np.array([(gains**2 / ocp.control_weights).sum() / 3.0, slowness * attitude, momentum])
+
+
+def _size(weight: ArrayLike) -> float:
+    return float(np.trace(np.asarray(weight)))
 
 
 def _zone_rows(zones: tuple[PointingZone, ...]) -> Array:

@@ -26,6 +26,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from threading import Lock
 from time import perf_counter
 from typing import NoReturn
 
@@ -42,6 +43,7 @@ from spacecraft_gnc.arguments import (
 from spacecraft_gnc.arrays import FLOAT64
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._solve_kernels import (
+    BAD_GUESS,
     BAD_REFERENCE,
     BAD_STATE,
     make_arena,
@@ -70,7 +72,8 @@ class ShootingOptions:
     Attributes
     ----------
     residual_tolerance : float
-        Largest Euclidean norm of the residual that counts as solved, relative to 1 + max |lambda2|.
+        Largest Euclidean norm of the residual that counts as solved, relative to max |lambda2|, and
+        so the same in all units. What rounding leaves of the terms of lambda2 is allowed for.
     max_iterations : int
         Largest number of Newton steps.
     formulation : {"auto", "backward_sweep", "single_shooting"}
@@ -133,8 +136,9 @@ class ShootingSolver:
 
     Notes
     -----
-    A solver owns work space and is not meant for several threads at once; solutions are
-    independent of it. Only the step rule ``chord`` carries anything from one solve to the next.
+    A solver owns work space; a second thread waits until the first has its solution, which is
+    independent of that space. Only the step rule ``chord`` carries anything from one solve to the
+    next.
     """
 
     def __init__(
@@ -162,6 +166,11 @@ class ShootingSolver:
         self._inputs = x = np.empty((7, 3))
         self._attitude, self._momentum, self._target = x[:3], x[3], x[4:]
         self._cold, self._warm = np.zeros((n, 6)), np.empty((n, 6))
+        self._lock = Lock()
+
+    def __reduce__(self) -> tuple[type[ShootingSolver], tuple[AttitudeOcp, str, ShootingOptions]]:
+        """Copy and pickle the settings; work space is no part of them."""
+        return type(self), (self.ocp, self.variant, self.options)
 
     def __repr__(self) -> str:
         """Return what is solved, and how, in one line."""
@@ -212,17 +221,19 @@ class ShootingSolver:
         if not plain:
             attitude, momentum = as_matrix3("attitude", attitude), as_vector3("momentum", momentum)
             target = as_matrix3("reference", target)
-        # One array of one type: one compiled kernel for every caller.
-        self._attitude[...], self._momentum[...], self._target[...] = attitude, momentum, target
-        if warm_start is not None:
-            guess = self._warm  # a copy, for the same reason
-            guess[:] = self.ocp.checked_warm_start(warm_start)
         R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
-        code, steps, residual, cost, curvature, largest, error, travel = solve(
-            self._inputs, guess, R, Pi, u, lam, margins, *self.work, *self.settings
-        )
-        if code in (BAD_STATE, BAD_REFERENCE):
+        with self._lock:
+            # One array of one type: one compiled kernel for every caller.
+            self._attitude[...], self._momentum[...], self._target[...] = attitude, momentum, target
+            if warm_start is not None:
+                guess = self._warm  # a copy, for the same reason
+                guess[:] = self.ocp.checked_warm_start(warm_start)
+            code, steps, residual, cost, curvature, largest, error, travel = solve(
+                self._inputs, guess, R, Pi, u, lam, margins, *self.work, *self.settings
+            )
+            target = self._target.copy()
+        if code in (BAD_STATE, BAD_REFERENCE, BAD_GUESS):
             self._refuse(attitude, momentum, target)
         limit = self.ocp.max_torque
         return Solution(
@@ -236,7 +247,7 @@ class ShootingSolver:
             residual,
             perf_counter() - started,
             limit - largest**0.5 if limit > 0.0 else math.inf,
-            self._target.copy(),
+            target,
             self.ocp,
             self.formulation,
             curvature,
@@ -287,7 +298,8 @@ class ShootingSolver:
     ) -> None:
         """Run the batch kernel on states (n, 4, 3) with this solver's problem and settings."""
         warm = self._cold[None] if warm_starts is None else warm_starts
-        solve_batch(states, reference, warm, *outputs, *self.work, *self.settings, numbers)
+        with self._lock:
+            solve_batch(states, reference, warm, *outputs, *self.work, *self.settings, numbers)
 
     @property
     def kept(self) -> NDArray[np.int64]:
@@ -302,4 +314,7 @@ class ShootingSolver:
         as_rotation("attitude", attitude)
         as_vector3("momentum", momentum)
         as_rotation("reference", reference)
-        raise ParameterError("state: received no finite state; required one; check its numbers")
+        raise ParameterError(
+            "warm_start: received NaN or infinity; required finite multipliers; pass the "
+            "warm_start of a converged solution, or None to start from zero"
+        )

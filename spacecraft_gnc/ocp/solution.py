@@ -69,8 +69,8 @@ class Solution(NamedTuple):
     iterations: int
     """Newton steps taken."""
     residual: float
-    """Euclidean norm of the first-order conditions in the units of lambda: of (44) for single
-    shooting, of all stages' lambda2 for the backward sweep."""
+    """Euclidean norm of the first-order conditions over all stages, in the units of lambda2: of the
+    costates run backward over the plan, minus the multipliers that its torques belong to."""
     solve_time: float
     """Wall time of the solve [s]."""
     torque_margin: float

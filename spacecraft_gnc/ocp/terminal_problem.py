@@ -180,6 +180,7 @@ class TerminalSetOcp(AttitudeOcp):
                 [1.0],
                 (scale / self.time_step**2 * rate).ravel(),
                 self.terminal.riccati.ravel(),
+                self._scales(weights),
                 [3.0],
                 *tail,
             ]
@@ -192,6 +193,17 @@ class TerminalSetOcp(AttitudeOcp):
             control_weights=read_only(weights),
             zone_rows=read_only(rows),
         )
+
+    def _scales(self, weights: Array) -> Array:
+        """Return what `_data_kernels` calls U_UNIT, MADE_OF and MADE_OF_PI."""
+        P, n = self.terminal.riccati, self.horizon
+        stage = self.stage_cost_scale * _largest_pair(np.asarray(self.weights.stage_attitude))
+        attitude = math.pi * np.linalg.norm(P[:3, :3], 2) + n * stage
+        slowness = n * self.time_step / float(np.linalg.eigvalsh(np.asarray(self.inertia))[0])
+        mixed = float(np.linalg.norm(P[:3, 3:], 2))
+        momentum = slowness * mixed + float(np.linalg.norm(P[3:, 3:], 2))
+        made_of = slowness * attitude + math.pi * mixed
+        return np.array([(1.0 / weights).sum() / 3.0, made_of, momentum])
 
     def _find_level(self) -> Level | None:
         if self.terminal_set == "false":

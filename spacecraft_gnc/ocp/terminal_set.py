@@ -13,6 +13,7 @@ the least F that the torque limit allows, J being the sums of stage costs. Sourc
 from __future__ import annotations
 
 import math
+from threading import Lock
 from time import perf_counter
 from typing import TypeAlias
 
@@ -20,7 +21,7 @@ import numpy as np
 
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics._lgvi_kernels import BODY_SIZE
-from spacecraft_gnc.ocp._data_kernels import MU0, P_LOG
+from spacecraft_gnc.ocp._data_kernels import MADE_OF, MU0, P_LOG
 from spacecraft_gnc.ocp.shooting import IDENTITY, ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
@@ -45,7 +46,8 @@ class TerminalSetSolver:
 
     Notes
     -----
-    A warm solve also starts from the multiplier of the terminal set that the last one found.
+    A warm solve also starts from the multiplier of the terminal set that the last one found. A
+    second thread waits until the first has its solution.
     """
 
     def __init__(self, ocp: TerminalSetOcp, options: ShootingOptions | None = None) -> None:
@@ -54,7 +56,14 @@ class TerminalSetSolver:
         at = BODY_SIZE + P_LOG
         self._weight = self._newton.work[0][at : at + 36]
         self._riccati = ocp.terminal.riccati.ravel()
+        at = BODY_SIZE + MADE_OF
+        self._made_of, self._terms = self._newton.work[0][at : at + 2], ocp.data[MADE_OF:][:2]
         self._last = 0.0
+        self._lock = Lock()
+
+    def __reduce__(self) -> tuple[type[TerminalSetSolver], tuple[TerminalSetOcp, ShootingOptions]]:
+        """Copy and pickle the settings; work space is no part of them."""
+        return type(self), (self.ocp, self._newton.options)
 
     def solve(
         self,
@@ -90,8 +99,9 @@ class TerminalSetSolver:
         """
         started = perf_counter()
         search = _Search(self, (attitude, momentum, reference), warm_start)
-        found = search.run(self._last if warm_start is not None else 0.0)
-        self._last = math.log1p(found.terminal_multiplier) if found.converged else 0.0
+        with self._lock:
+            found = search.run(self._last if warm_start is not None else 0.0)
+            self._last = math.log1p(found.terminal_multiplier) if found.converged else 0.0
         if not self.ocp.body.is_solvable(found.momenta[-1]) and found.converged:
             found = found._replace(status=Status.UNSOLVABLE_STEP)
         return found._replace(solve_time=perf_counter() - started)
@@ -104,10 +114,11 @@ class TerminalSetSolver:
         Its ``terminal_level`` is the least |x_N|_P^2 that the horizon can reach.
         """
         search = _Search(self, (attitude, momentum, reference), None)
-        found = search.at(0.0)
-        for s in np.linspace(0.0, LARGEST, 5)[1:]:
-            if found.converged:
-                found = search.at(float(s))
+        with self._lock:
+            found = search.at(0.0)
+            for s in np.linspace(0.0, LARGEST, 5)[1:]:
+                if found.converged:
+                    found = search.at(float(s))
         return found
 
     def sufficient_horizon(
@@ -151,6 +162,7 @@ class TerminalSetSolver:
         Where Newton's method fails cold, the torque limit is softened and hardened again.
         """
         self._weight[:] = math.exp(s) * self._riccati
+        self._made_of[:] = math.exp(s) * self._terms
         found = self._newton.solve(*problem, guess)
         steps = found.iterations
         if not found.converged and guess is not None:

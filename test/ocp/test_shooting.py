@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -158,7 +159,7 @@ def test_tracking_with_scalar_weights_is_regulation_seen_from_the_reference(refe
 
 def test_warm_starts_need_fewer_steps_and_give_the_same_answers(case_1):
     ocp, attitude, momentum = case_1
-    solver = ShootingSolver(ocp)
+    solver = ShootingSolver(replace(ocp, horizon=20))
     warm_start, warm_steps, cold_steps = None, 0, 0
     for _ in range(50):
         warm = solver.solve(attitude, momentum, warm_start=warm_start)
@@ -167,7 +168,7 @@ def test_warm_starts_need_fewer_steps_and_give_the_same_answers(case_1):
         warm_steps, cold_steps = warm_steps + warm.iterations, cold_steps + cold.iterations
         warm_start = warm.warm_start
         attitude, momentum = ocp.body.step(attitude, momentum, warm.torques[0])
-    assert warm_steps < cold_steps
+    assert warm_steps < 0.75 * cold_steps
 
 
 def test_backtracking_converges_where_full_steps_do_not():

@@ -1,0 +1,142 @@
+"""Certificates at the scales at which absolute tolerances used to issue false ones."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.ocp import (
+    AttitudeOcp,
+    PenaltyContinuation,
+    ShootingOptions,
+    ShootingSolver,
+    Status,
+    TerminalSetOcp,
+    TerminalSetSolver,
+    Weights,
+)
+
+START = lie.exp(np.array([0.25, 0.5, 0.5]))
+REST = np.zeros(3)
+HEAVY = AttitudeOcp(
+    inertia=1e4 * np.diag([1.0, 0.8, 0.8]), time_step=0.4, horizon=5, max_torque=100.0,
+    torque_penalty=1e-6,
+    weights=Weights(0.01, 1e-10, 1e-10 * np.diag([1.0, 4.0, 9.0]), 0.01, 1e-10),
+)  # fmt: skip
+
+
+def lighter(ocp, mass):
+    """The same problem in another unit of mass, in which every number of it is 1 / mass."""
+    w = ocp.weights
+    return replace(
+        ocp, inertia=ocp.inertia / mass, max_torque=ocp.max_torque / mass,
+        torque_penalty=ocp.torque_penalty * mass**4,
+        weights=Weights(
+            w.stage_attitude, mass**2 * w.stage_momentum, mass**2 * w.stage_torque,
+            w.terminal_attitude, mass**2 * w.terminal_momentum,
+        ),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("solver", [ShootingSolver, PenaltyContinuation])
+def test_a_small_torque_weight_is_solved_to_its_true_optimum(solver):
+    solution = solver(HEAVY).solve(START, REST)
+    assert solution.status is Status.CONVERGED
+    # Independent: CasADi in units in which all numbers are near 1, IPOPT to 1e-12.
+    assert solution.cost == pytest.approx(0.01573856159144, rel=1e-12)
+    assert HEAVY.cost(solution.torques, START, REST) == pytest.approx(solution.cost, rel=1e-14)
+    excess = -solution.torque_margin
+    assert excess == pytest.approx(5.0786e-05, rel=1e-4)
+    gradient = HEAVY.gradient(solution.torques, START, REST)
+    largest = 2.0 * HEAVY.time_step * np.abs(solution.costates[:, 3:]).max()
+    assert np.abs(gradient).max() < 1e-9 * largest  # |u|^2 - max_torque^2 is taken by difference
+    light = solver(lighter(HEAVY, 1e4)).solve(START, REST)
+    assert np.abs(1e4 * light.torques - solution.torques).max() < 1e-12 * HEAVY.max_torque
+    assert light.iterations == solution.iterations
+
+
+def scaled(ocp, cost):
+    """The same problem with its cost counted in another unit."""
+    w = ocp.weights
+    weights = [cost * np.asarray(getattr(w, name)) for name in Weights.__slots__]
+    return replace(ocp, weights=Weights(*weights), torque_penalty=cost * ocp.torque_penalty)
+
+
+@pytest.mark.parametrize("formulation", ["backward_sweep", "single_shooting"])
+@pytest.mark.parametrize("cost", [1e-11, 1e-9, 1e11])
+def test_the_unit_of_the_cost_changes_nothing(case_1, cost, formulation):
+    ocp, attitude, momentum = case_1
+    options = ShootingOptions(formulation=formulation)
+    ours, theirs = (ShootingSolver(p, options=options) for p in (ocp, scaled(ocp, cost)))
+    warm = other_warm = None
+    for _ in range(60):
+        solution = ours.solve(attitude, momentum, warm_start=warm)
+        other = theirs.solve(attitude, momentum, warm_start=other_warm)
+        assert other.status is solution.status is Status.CONVERGED
+        assert other.iterations == solution.iterations > 0
+        assert np.abs(other.torques - solution.torques).max() < 1e-12 * ocp.max_torque
+        warm, other_warm = solution.warm_start, other.warm_start
+        attitude, momentum = ocp.body.step(attitude, momentum, solution.torques[0])
+
+
+def test_at_rest_on_the_target_zero_torque_is_the_solution_in_any_unit(case_1):
+    ocp = case_1[0]
+    target = lie.exp(np.array([0.3, -2.0, 0.9]))
+    for cost in (1e-12, 1.0, 1e12):
+        solution = ShootingSolver(scaled(ocp, cost)).solve(target, REST, target)
+        assert solution.status is Status.CONVERGED
+        assert np.abs(solution.torques).max() < 1e-15
+
+
+def terminal():
+    return TerminalSetSolver(
+        TerminalSetOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 10, terminal_set="without_kappa")
+    )
+
+
+@pytest.mark.parametrize("make", [lambda: ShootingSolver(HEAVY), terminal])
+def test_one_solver_in_many_threads_gives_the_solutions_of_one_thread(make):
+    rng = np.random.default_rng(5)
+    starts = [lie.exp(rng.uniform(-0.4, 0.4, 3)) for _ in range(40)]
+    solver = make()
+    alone = [solver.solve(start, REST).torques for start in starts]
+    with ThreadPoolExecutor(8) as pool:
+        for _ in range(5):
+            together = pool.map(lambda start: solver.solve(start, REST).torques, starts)
+            for ours, theirs in zip(alone, together, strict=True):
+                assert np.array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("make", [lambda: ShootingSolver(HEAVY), terminal])
+def test_a_copy_of_a_solver_has_work_space_of_its_own(make):
+    solver = make()
+    here = solver.solve(START, REST)
+    for other in (copy.deepcopy(solver), pickle.loads(pickle.dumps(solver))):
+        assert np.array_equal(other.solve(START, REST).torques, here.torques)
+        other.solve(lie.exp(np.array([0.1, 0.0, 0.0])), REST)
+        assert np.array_equal(solver.solve(START, REST).torques, here.torques)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_warm_start_that_is_not_finite_is_refused(bad):
+    guess = np.zeros((5, 6))
+    guess[3, 1] = bad
+    solver = ShootingSolver(HEAVY)
+    with pytest.raises(ParameterError, match="warm_start: received NaN or infinity; required"):
+        solver.solve(START, REST, None, guess)
+    with pytest.raises(ParameterError, match=r"warm_starts: .*required finite"):
+        solver.solve_batch(START[None], REST[None], None, guess[None])
+    assert solver.solve(START, REST).converged  # and nothing is left behind
+
+
+def test_a_complex_warm_start_is_refused():
+    with pytest.raises(ShapeError, match="warm_start"):
+        ShootingSolver(HEAVY).solve(START, REST, None, np.zeros((5, 6), complex))
