@@ -7,7 +7,8 @@ ladder behind it, and the certificate of the loop at a standstill.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
@@ -19,7 +20,11 @@ from spacecraft_gnc.loop.standstill import StandstillMonitor
 from spacecraft_gnc.loop.traits import FSOLVE, NEIGHBORING_EXTREMAL, SHOOTING, SLSQP
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
+    AutomaticContinuation,
+    Continuation,
+    EffortContinuation,
     FsolveSolver,
+    HorizonContinuation,
     NeighboringExtremal,
     NeighboringOptions,
     PenaltyContinuation,
@@ -29,6 +34,7 @@ from spacecraft_gnc.ocp import (
     Solution,
     StateContinuation,
     Weights,
+    cheapest,
     linearize,
 )
 from spacecraft_gnc.ocp.zones import zones_of
@@ -58,15 +64,6 @@ class Solver(Protocol):
         """Compile or load the kernels."""
 
 
-class Continuation(Protocol):
-    """A detour to a solution, tried where the direct way fails."""
-
-    def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
-    ) -> Solution:
-        """Solve from a state."""
-
-
 class SolverController:
     """NMPC: one solve a step, the failure ladder behind it.
 
@@ -76,12 +73,14 @@ class SolverController:
     monitor : StandstillMonitor, optional
         Looks for standstills away from the target.
     continuation : Continuation, optional
-        Tried where a solve fails warm and cold.
+        Tried where a solve fails warm and cold, or takes more Newton steps than its ``patience``;
+        the cheaper solution is flown.
 
     Notes
     -----
     The multipliers of one solve, shifted by one step, start the next. A failed solve leaves no
-    warm start behind; where a warm start fails, the same step is tried once more from zero.
+    warm start behind; where a warm start fails, the same step is tried once more from zero. What
+    is tried depends on the count of Newton steps alone, never on the time that they took.
     """
 
     name = "solver"
@@ -130,13 +129,18 @@ class SolverController:
             solution = self.solver.solve(*problem, self._warm_start)
             if self._warm_start is not None and not solution.converged:
                 solution = self.solver.solve(*problem)
-            if self._continuation is not None and not solution.converged:
-                solution = self._continuation.solve(*problem)
+            way = self._continuation
+            if way is not None and (not solution.converged or solution.iterations > way.patience):
+                solution = self._compared(solution, way.solve(*problem))
         except GncError:  # a state or reference that is no state: the ladder deals with it
             self._warm_start = None
             return None
         self._warm_start = solution.warm_start
         return solution
+
+    def _compared(self, direct: Solution, other: Solution) -> Solution:
+        """Return the better of two solutions of one step."""
+        return cheapest((direct, other))
 
 
 class ShootingController(SolverController):
@@ -177,6 +181,13 @@ class OnlineNeighboringController(SolverController):
         )
         return cls(sequence, monitor_of(scenario, ocp), continuation_of(scenario, ocp))
 
+    def _compared(self, direct: Solution, other: Solution) -> Solution:
+        """Return the better of two solutions; only the sequence's own can be corrected."""
+        best = super()._compared(direct, other)
+        if best.torques is not direct.torques:
+            self._sequence.forget()
+        return best
+
     def reset(self) -> None:
         """Forget warm start, plan and the last optimum."""
         super().reset()
@@ -211,6 +222,16 @@ class FsolveController(SolverController):
         return cls(FsolveSolver(ocp), monitor_of(scenario, ocp))
 
 
+CONTINUATIONS: Final[dict[str, Callable[[AttitudeOcp, ShootingOptions], Continuation]]] = {
+    "auto": AutomaticContinuation,
+    "penalty": PenaltyContinuation,
+    "state": StateContinuation,
+    "horizon": HorizonContinuation,
+    "effort": EffortContinuation,
+}
+"""Words of a scenario, beside none."""
+
+
 def options_of(scenario: Scenario) -> ShootingOptions:
     """Return the options of Newton's method of a scenario's section ``nmpc_controller``."""
     c = scenario.controller
@@ -228,10 +249,13 @@ def monitor_of(scenario: Scenario, ocp: AttitudeOcp) -> StandstillMonitor:
 
 def continuation_of(scenario: Scenario, ocp: AttitudeOcp) -> Continuation | None:
     """Return the continuation that a scenario asks for; None where it asks for none."""
-    word, options = scenario.controller.continuation, options_of(scenario)
-    if word == "penalty":
-        return PenaltyContinuation(ocp, options)
-    return StateContinuation(ocp, options) if word == "state" else None
+    c, options = scenario.controller, options_of(scenario)
+    if c.continuation not in CONTINUATIONS:
+        return None
+    way = CONTINUATIONS[c.continuation](ocp, options)
+    if c.variant != "exact" or c.step_rule != "backtracking":
+        way.patience = math.inf  # many Newton steps are no sign of a long way
+    return way
 
 
 def problem_of(scenario: Scenario) -> AttitudeOcp:

@@ -2,7 +2,15 @@
 
 from spacecraft_gnc.ocp.baselines import FsolveSolver, SlsqpSolver
 from spacecraft_gnc.ocp.batch import BatchSolution
-from spacecraft_gnc.ocp.continuation import PenaltyContinuation, StateContinuation
+from spacecraft_gnc.ocp.continuation import (
+    AutomaticContinuation,
+    Continuation,
+    EffortContinuation,
+    HorizonContinuation,
+    PenaltyContinuation,
+    StateContinuation,
+    cheapest,
+)
 from spacecraft_gnc.ocp.linearization import Linearization, linearize
 from spacecraft_gnc.ocp.neighboring import NeighboringExtremal, NeighboringOptions
 from spacecraft_gnc.ocp.nominal import NominalRun, fly_nominal
@@ -15,8 +23,12 @@ from spacecraft_gnc.ocp.zones import PointingZone
 
 __all__ = [
     "AttitudeOcp",
+    "AutomaticContinuation",
     "BatchSolution",
+    "Continuation",
+    "EffortContinuation",
     "FsolveSolver",
+    "HorizonContinuation",
     "Linearization",
     "NeighboringExtremal",
     "NeighboringOptions",
@@ -32,6 +44,7 @@ __all__ = [
     "TerminalSetOcp",
     "TerminalSetSolver",
     "Weights",
+    "cheapest",
     "fly_nominal",
     "linearize",
 ]

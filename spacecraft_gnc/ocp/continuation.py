@@ -1,12 +1,16 @@
-"""Continuation: reach a problem that does not solve from one that does.
+"""Continuations: ways to a problem that does not solve, or solves late, from one that is easier.
 
-Source: Gupta et al. 2015, Remark III, whose two scenarios these are: in the weight of the
-penalties, and in the initial state.
+`PenaltyContinuation` and `StateContinuation` are the two scenarios of Gupta et al. 2015, Remark
+III. `HorizonContinuation` and `EffortContinuation` lead from short horizons, and from small
+torques; both come from measurement (docs/solver.md). `AutomaticContinuation` takes what fits.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -17,9 +21,23 @@ from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
-SMALLEST_SHARE = 1e-8  # of the penalties, with which a penalty continuation starts
-FACTOR = 100.0  # between two of its problems
-SMALLEST_ADVANCE = 1.0 / 1024.0  # share of the way below which a state continuation gives up
+SMALLEST_SHARE: Final = 1e-8  # of the penalties, with which a penalty continuation starts
+FACTOR: Final = 100.0  # between two of its problems
+SMALLEST_ADVANCE: Final = 1.0 / 1024.0  # share of the way below which a state continuation gives up
+EFFORTS: Final = tuple(10.0**i for i in range(4, -1, -1))  # times the weight of the torque
+PATIENCE: Final = 4  # Newton steps after which a solution is compared with those of other starts
+
+
+class Continuation(Protocol):
+    """A detour to a solution."""
+
+    patience: float
+    """Newton steps of a direct solve after which this detour is tried although it converged."""
+
+    def solve(
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+    ) -> Solution:
+        """Solve from a state."""
 
 
 class PenaltyContinuation:
@@ -31,10 +49,12 @@ class PenaltyContinuation:
     options : ShootingOptions, optional
     """
 
+    patience: float = math.inf
+
     def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
         require_kind("ocp", ocp, AttitudeOcp)
         shares = [1.0]
-        while shares[-1] > SMALLEST_SHARE * FACTOR:
+        while _is_penalized(ocp) and shares[-1] > SMALLEST_SHARE * FACTOR:
             shares.append(shares[-1] / FACTOR)
         self._solvers = [
             ShootingSolver(_softened(ocp, share) if share < 1.0 else ocp, options=options)
@@ -67,6 +87,8 @@ class StateContinuation:
     options : ShootingOptions, optional
     """
 
+    patience: float = math.inf
+
     def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
         self._solver = ShootingSolver(ocp, options=options)
 
@@ -96,7 +118,132 @@ class StateContinuation:
                 return solution._replace(iterations=iterations)
 
 
+class HorizonContinuation:
+    """Solve the first step alone, and double the horizon up to the whole.
+
+    The steps that are added start from zero torque. A solve that fails so is tried cold.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    options : ShootingOptions, optional
+    """
+
+    patience: float = math.inf
+
+    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
+        horizon = require_kind("ocp", ocp, AttitudeOcp).horizon
+        horizons = [horizon >> i for i in range(horizon.bit_length() - 1, 0, -1)]
+        shorter = [ShootingSolver(replace(ocp, horizon=n), options=options) for n in horizons]
+        self._solvers = [*shorter, ShootingSolver(ocp, options=options)]
+
+    def solve(
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+    ) -> Solution:
+        """Return the solution over the whole horizon; its ``iterations`` count all steps made."""
+        guess: Array | None = None
+        iterations = 0
+        for solver in self._solvers:
+            if guess is not None:
+                guess = np.vstack([guess, np.zeros((solver.ocp.horizon - len(guess), 6))])
+            solution = solver.solve(attitude, momentum, reference, guess)
+            iterations += solution.iterations
+            if guess is not None and not solution.converged:
+                solution = solver.solve(attitude, momentum, reference)
+                iterations += solution.iterations
+            guess = solution.costates if solution.converged else None
+        return solution._replace(iterations=iterations)
+
+
+class EffortContinuation:
+    """Make torque dear first, so that little of it is used, and cheapen it step by step.
+
+    The penalty of the torque limit grows with the weight, so that the multipliers of one problem,
+    cheapened alike, make the same torques in the next.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    options : ShootingOptions, optional
+    """
+
+    patience: float = math.inf
+
+    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
+        require_kind("ocp", ocp, AttitudeOcp)
+        dearer = [ShootingSolver(_dear(ocp, factor), options=options) for factor in EFFORTS[:-1]]
+        self._solvers = [*dearer, ShootingSolver(ocp, options=options)]
+
+    def solve(
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+    ) -> Solution:
+        """Return the solution at the true weight; its ``iterations`` count all problems' steps."""
+        guess: Array | None = None
+        iterations, weight = 0, 1.0
+        for factor, solver in zip(EFFORTS, self._solvers, strict=True):
+            start = None if guess is None else guess * (factor / weight)
+            solution = solver.solve(attitude, momentum, reference, start)
+            iterations += solution.iterations
+            if solution.converged:
+                guess, weight = solution.costates, factor
+        return solution._replace(iterations=iterations)
+
+
+class AutomaticContinuation:
+    """Go by short horizons and by small torques, and take the cheaper of both solutions.
+
+    Where both fail, the penalties are softened, if there are any, and then the state is moved.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    options : ShootingOptions, optional
+    """
+
+    patience: float = PATIENCE
+
+    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
+        self._starts = (HorizonContinuation(ocp, options), EffortContinuation(ocp, options))
+        self._softer = (PenaltyContinuation(ocp, options),) if _is_penalized(ocp) else ()
+        self._nearer = StateContinuation(ocp, options)
+
+    def solve(
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+    ) -> Solution:
+        """Return the cheapest solution found; its ``iterations`` count all steps made."""
+        problem = (attitude, momentum, reference)
+        found = cheapest(way.solve(*problem) for way in self._starts)
+        for way in (*self._softer, self._nearer):
+            if not found.converged:
+                found = cheapest((found, way.solve(*problem)))
+        return found
+
+
+def cheapest(solutions: Iterable[Solution]) -> Solution:
+    """Return the converged solution of least cost, the first one where none converged.
+
+    Its ``iterations`` are those of all. Of two whose costs differ by rounding only, the first wins.
+    """
+    given: Sequence[Solution] = tuple(solutions)
+    best = given[0]
+    for other in given[1:]:
+        cheaper = other.converged and other.cost < best.cost - 1e-12 * abs(best.cost)
+        if other.converged and (cheaper or not best.converged):
+            best = other
+    return best._replace(iterations=sum(solution.iterations for solution in given))
+
+
+def _is_penalized(ocp: AttitudeOcp) -> bool:
+    return ocp.max_torque > 0.0 or len(ocp.zones) > 0
+
+
 def _softened(ocp: AttitudeOcp, share: float) -> AttitudeOcp:
     """Return the same problem with its penalties scaled down."""
     zones = tuple(replace(zone, penalty=share * zone.penalty) for zone in ocp.zones)
     return replace(ocp, torque_penalty=share * ocp.torque_penalty, zones=zones)
+
+
+def _dear(ocp: AttitudeOcp, factor: float) -> AttitudeOcp:
+    """Return the same problem with its torque dearer."""
+    weights = replace(ocp.weights, stage_torque=factor * np.asarray(ocp.weights.stage_torque))
+    return replace(ocp, weights=weights, torque_penalty=factor * ocp.torque_penalty)

@@ -104,6 +104,10 @@ class NeighboringExtremal:
         self.corrected = self.solved = 0
         self.predicted_error = 0.0
 
+    def forget(self) -> None:
+        """Forget the last optimum, as where another solution was flown; keep the counts."""
+        self._age = self._max_age
+
     @property
     def hit_rate(self) -> float:
         """Share of the steps that a neighbouring extremal answered."""

@@ -193,7 +193,8 @@ class ControllerParameters(NodeParameters):
     residual_tolerance: float = parameter(
         Kind.DOUBLE,
         1.0e-12,
-        "largest residual of the optimality conditions that counts as solved",
+        "largest residual of the optimality conditions that counts as solved, relative to the "
+        "largest multiplier",
         above=0.0,
     )
     max_iterations: int = parameter(
@@ -216,9 +217,10 @@ class ControllerParameters(NodeParameters):
     )
     continuation: str = parameter(
         Kind.STRING,
-        "penalty",
-        "homotopy that is tried where a solve fails",
-        choices=("none", "penalty", "state"),
+        "auto",
+        "what is tried where a solve fails; auto: several starts, also where one takes more than 4 "
+        "Newton steps, and the cheapest solution",
+        choices=("none", "auto", "penalty", "state", "horizon", "effort"),
     )
     standstill_error_deg: float = parameter(
         Kind.DOUBLE,

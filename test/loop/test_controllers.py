@@ -172,3 +172,43 @@ def test_scipys_solvers_fly(ocp, controller, solver):
     _, exact = fly(ocp, ShootingController(ShootingSolver(ocp)), 6)
     assert lie.angle_between(state.attitude, exact.attitude) < math.radians(0.5)
     assert flown.command(State(9, NOWHERE, REST), TARGET).source > Source.OPTIMAL
+
+
+class Detour:
+    """A continuation that finds what it is told to find."""
+
+    def __init__(self, solution, patience):
+        self.solution, self.patience, self.calls = solution, patience, 0
+
+    def solve(self, attitude, momentum, reference=None):
+        self.calls += 1
+        return self.solution
+
+
+def test_a_solve_that_takes_long_is_compared_with_another_start(ocp):
+    direct = ShootingSolver(ocp).solve(START.attitude, REST)
+    for patience, cost, calls, ours in (
+        (direct.iterations, 0.0, 0, True),  # short enough
+        (direct.iterations - 1, 2.0 * direct.cost, 1, True),  # the other is dearer
+        (direct.iterations - 1, 0.5 * direct.cost, 1, False),
+    ):
+        other = direct._replace(cost=cost, torques=0.5 * direct.torques)
+        detour = Detour(other, patience)
+        flown = ShootingController(ShootingSolver(ocp), None, detour).command(START, TARGET)
+        assert detour.calls == calls
+        assert flown.source is Source.OPTIMAL
+        assert np.array_equal(flown.torque, (direct if ours else other).torques[0])
+        assert flown.solution.iterations == direct.iterations * (1 + calls)
+
+
+def test_the_online_sequence_does_not_correct_what_another_start_found(ocp):
+    direct = ShootingSolver(ocp).solve(START.attitude, REST)
+    for cost, exact in ((0.5 * direct.cost, 2), (2.0 * direct.cost, 1)):
+        sequence = NeighboringExtremal(ocp)
+        detour = Detour(direct._replace(cost=cost, torques=direct.torques.copy()), 0)
+        controller = OnlineNeighboringController(sequence, None, detour)
+        controller.command(START, TARGET)
+        detour.patience = math.inf
+        attitude, momentum = ocp.body.step(START.attitude, REST, direct.torques[0])
+        controller.command(State(1, attitude, momentum), TARGET)
+        assert (sequence.solved, sequence.corrected) == (exact, 2 - exact)
