@@ -1,8 +1,9 @@
 """Continuations: ways to a problem that does not solve, or solves late, from one that is easier.
 
 `PenaltyContinuation` and `StateContinuation` are the two scenarios of Gupta et al. 2015, Remark
-III. `HorizonContinuation` and `EffortContinuation` lead from short horizons, and from small
-torques; both come from measurement (docs/solver.md). `AutomaticContinuation` takes what fits.
+III. `HorizonContinuation`, `EffortContinuation` and `OpenContinuation` lead from short horizons,
+from small torques and from a sky without zones; they come from measurement (docs/solver.md).
+`AutomaticContinuation` compares them.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ from spacecraft_gnc.arguments import require_kind
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
-from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
+from spacecraft_gnc.types import Array, ArrayLike, Matrix3, Vector3, as_rotation, as_vector3
 
 SMALLEST_SHARE: Final = 1e-8  # of the penalties, with which a penalty continuation starts
 FACTOR: Final = 100.0  # between two of its problems
 SMALLEST_ADVANCE: Final = 1.0 / 1024.0  # share of the way below which a state continuation gives up
+HARDENING: Final = (1e-4, 1e-2, 1.0)  # shares of the penalties of zones
+LONG: Final = 60  # steps
+NEAR_HALF_TURN: Final = math.radians(150.0)
 EFFORTS: Final = tuple(10.0**i for i in range(4, -1, -1))  # times the weight of the torque
 PATIENCE: Final = 4  # Newton steps after which a solution is compared with those of other starts
 
@@ -85,12 +89,17 @@ class StateContinuation:
     ----------
     ocp : AttitudeOcp
     options : ShootingOptions, optional
+    long_way : bool
+        Move along the same axis the other way round, by a full turn less: another minimum.
     """
 
     patience: float = math.inf
 
-    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
+    def __init__(
+        self, ocp: AttitudeOcp, options: ShootingOptions | None = None, *, long_way: bool = False
+    ) -> None:
         self._solver = ShootingSolver(ocp, options=options)
+        self._long_way = long_way
 
     def solve(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
@@ -102,6 +111,9 @@ class StateContinuation:
         target = as_rotation("reference", np.eye(3) if reference is None else reference)
         R, Pi = as_rotation("attitude", attitude), as_vector3("momentum", momentum)
         turn = lie.log(target.T @ R)
+        angle = float(np.linalg.norm(turn))
+        if self._long_way and angle > 0.0:
+            turn = turn * (1.0 - 2.0 * math.pi / angle)
         share, advance, iterations = 0.0, 0.25, 0
         guess: Array | None = None
         while True:
@@ -189,10 +201,54 @@ class EffortContinuation:
         return solution._replace(iterations=iterations)
 
 
-class AutomaticContinuation:
-    """Go by short horizons and by small torques, and take the cheaper of both solutions.
+class OpenContinuation:
+    """Leave the zones out and move the initial state away from the target; then harden the zones.
 
-    Where both fail, the penalties are softened, if there are any, and then the state is moved.
+    Near half a turn the state also moves the other way round, and the cheaper solution is returned.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+    options : ShootingOptions, optional
+    """
+
+    patience: float = math.inf
+
+    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
+        require_kind("ocp", ocp, AttitudeOcp)
+        open_sky = replace(ocp, zones=())
+        self._short_way = StateContinuation(open_sky, options)
+        self._long_way = StateContinuation(open_sky, options, long_way=True)
+        shares = HARDENING if ocp.zones else (1.0,)
+        softer = [
+            ShootingSolver(_softer_zones(ocp, share), options=options) for share in shares[:-1]
+        ]
+        self._solvers = [*softer, ShootingSolver(ocp, options=options)]
+
+    def solve(
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+    ) -> Solution:
+        """Return the solution with all zones; its ``iterations`` count all steps made."""
+        target = as_rotation("reference", np.eye(3) if reference is None else reference)
+        problem = (as_rotation("attitude", attitude), as_vector3("momentum", momentum), target)
+        near_half_turn = lie.angle_between(target, problem[0]) > NEAR_HALF_TURN
+        ways = (self._short_way, self._long_way) if near_half_turn else (self._short_way,)
+        return cheapest(self._hardened(way.solve(*problem), problem) for way in ways)
+
+    def _hardened(self, found: Solution, problem: tuple[Matrix3, Vector3, Matrix3]) -> Solution:
+        iterations, guess = found.iterations, None
+        for solver in self._solvers:
+            guess = found.costates if found.converged else guess
+            found = solver.solve(*problem, guess)
+            iterations += found.iterations
+        return found._replace(iterations=iterations)
+
+
+class AutomaticContinuation:
+    """Go by short horizons, by small torques and without zones, and take the cheapest solution.
+
+    The last is left out over more than 60 steps, where it takes seconds. Where all fail, the
+    penalties are softened, if there are any, and then the state is moved.
 
     Parameters
     ----------
@@ -203,7 +259,12 @@ class AutomaticContinuation:
     patience: float = PATIENCE
 
     def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        self._starts = (HorizonContinuation(ocp, options), EffortContinuation(ocp, options))
+        self._starts: tuple[Continuation, ...] = (
+            HorizonContinuation(ocp, options),
+            EffortContinuation(ocp, options),
+        )
+        if ocp.horizon <= LONG:
+            self._starts += (OpenContinuation(ocp, options),)
         self._softer = (PenaltyContinuation(ocp, options),) if _is_penalized(ocp) else ()
         self._nearer = StateContinuation(ocp, options)
 
@@ -239,8 +300,13 @@ def _is_penalized(ocp: AttitudeOcp) -> bool:
 
 def _softened(ocp: AttitudeOcp, share: float) -> AttitudeOcp:
     """Return the same problem with its penalties scaled down."""
+    return replace(_softer_zones(ocp, share), torque_penalty=share * ocp.torque_penalty)
+
+
+def _softer_zones(ocp: AttitudeOcp, share: float) -> AttitudeOcp:
+    """Return the same problem with the penalties of its zones scaled down."""
     zones = tuple(replace(zone, penalty=share * zone.penalty) for zone in ocp.zones)
-    return replace(ocp, torque_penalty=share * ocp.torque_penalty, zones=zones)
+    return replace(ocp, zones=zones)
 
 
 def _dear(ocp: AttitudeOcp, factor: float) -> AttitudeOcp:
