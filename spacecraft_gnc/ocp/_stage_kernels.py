@@ -56,6 +56,7 @@ M_AT, A_AT, P_AT, SIGMA_AT, Z_AT = 9, 18, 27, 30, 31
 ZONE_SIZE = 9
 # From far below, where the limit is soft, sigma at least triples in a step.
 SECULAR_STEPS = 100
+_MULTIPLIER, _LOW_63 = 0x1E3779B97F4A7C15, 2**63 - 1  # odd; the mask keeps a hash an int64
 
 
 def work_size(m: int) -> int:
@@ -143,10 +144,20 @@ def control_sensitivity(data, W, k, estimated):
 
 
 @kernel
+def hashed(pattern, number):
+    """Append a number to a hash of 63 bits, the same compiled and interpreted.
+
+    Two given sequences share a hash with a probability of about 1e-19.
+    """
+    pattern = ((pattern ^ number) * _MULTIPLIER) & _LOW_63
+    return pattern ^ (pattern >> 32)
+
+
+@kernel
 def attitude_gradient(h, B_Q1, zones, R):
     """Gradient g_R of the stage cost and zone penalties at R, so that (34) is F^T (lam1 + g_R).
 
-    Returns g_R and the number of zones whose penalty acts.
+    Returns g_R and a hash of the zones whose penalty acts, zero for none.
     """
     g = scale(-h, vee_antisymmetric(mat_t_mat(R, B_Q1)))
     active = 0
@@ -156,7 +167,7 @@ def attitude_gradient(h, B_Q1, zones, R):
         excess = zones[i, 7] * (dot(v, a) - zones[i, 6])
         if excess > 0.0:
             g = add(g, scale(h * zones[i, 8] * excess * zones[i, 7], cross(v, a)))
-            active += 1
+            active = hashed(active, i + 1)
     return g, active
 
 

@@ -56,6 +56,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
     attitude_hessian,
     control,
     control_sensitivity,
+    hashed,
     momentum_map,
     stage_curvature,
 )
@@ -78,7 +79,10 @@ def store_stage(h, Jd, W, k, q0, q, p):
 
 @kernel
 def sweep_costates(data, zones, track, R, Pi, lam, W):
-    """Sweep (34)-(37) backward over a rollout into lam (N, 6); returns the pattern of zones."""
+    """Sweep (34)-(37) backward over a rollout into lam (N, 6).
+
+    Returns a hash of the zones that act and their stages, zero for none.
+    """
     N = W.shape[0]
     h, S2, B = data[H], data9(data, S_Q2), data9(track, 0)
     l1, l2 = terminal_costate(data, track, R, Pi)
@@ -89,7 +93,8 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
         store3(lam, k, l2, 3)
         if k > 0:
             g, active = attitude_gradient(h, B, zones, load9(R, k))
-            pattern = 7 * pattern + active
+            if active != 0:
+                pattern = hashed(hashed(pattern, k), active)
             M, A = load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
             pushed = sub(l1, rate_gradient(data, load9_flat(W, k))) if rated else l1
             swept = add(mat_t_vec(A, l2), mat_t_vec(M, pushed))
@@ -111,7 +116,10 @@ def sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W):
 
 @kernel
 def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
-    """Fill one horizon from ``guess``; returns status, |resid|, pattern of active limits."""
+    """Fill one horizon from ``guess``; returns status, |resid|, pattern of active limits.
+
+    The pattern is a hash of the stages at their torque limit, and of the zones that act on each.
+    """
     N = u.shape[0]
     h, Jd = data[H], body_nonstandard_inertia(body)
     R_k, Pi_k = load9(R, 0), load3(Pi, 0)
@@ -124,14 +132,15 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
         store_stage(h, Jd, W, k, q0, q, p)
         u_k, sigma = control(data, load3(guess, k), W, k)
         W[k, SIGMA_AT] = sigma
-        pattern = 2 * pattern + (1 if sigma > 0.0 else 0)
+        if sigma > 0.0:
+            pattern = hashed(pattern, k + 1)
         store3(u, k, u_k)
         R_k = rotate_rows(q0, q, R_k)
         Pi_k = add(p, scale(h, u_k))
         store9(R, k + 1, R_k)
         store3(Pi, k + 1, Pi_k)
     active, norm = sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W)
-    return SOLVED, norm, 7 * pattern + active
+    return SOLVED, norm, hashed(pattern, active)
 
 
 @kernel
