@@ -10,13 +10,12 @@ import math
 
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import (
+    add,
     dot,
     load3,
     load9,
-    load9_flat,
     load9_rows,
     mat_t_mat,
-    mat_vec,
     scale,
     store3,
     store9,
@@ -26,10 +25,11 @@ from spacecraft_gnc.lie._mat3_kernels import (
 from spacecraft_gnc.ocp._data_kernels import ALPHA, H
 from spacecraft_gnc.ocp._newton_kernels import move
 from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, repeat_last, summarise
-from spacecraft_gnc.ocp._stage_kernels import horizon_cost, squared_control
-from spacecraft_gnc.ocp._sweep_kernels import U_AT, evaluate, substitute
+from spacecraft_gnc.ocp._stage_kernels import control, horizon_cost, squared_control
+from spacecraft_gnc.ocp._sweep_kernels import evaluate, substitute
 
 LAST = 7  # row of ``inputs`` where the last state stands
+SAFETY = 2.0  # of the bound, for a contraction seen once: docs/solver.md has what was measured
 
 
 @kernel
@@ -61,37 +61,94 @@ def _cut(data, u, W):
 
 
 @kernel
-def correct(inputs, R, Pi, u, lam, margins, arena, kept):
+def _fill_torques(data, guess, u, W):
+    """Fill the torques u, and the controls in W, that follow from the multipliers by (38)."""
+    for k in range(u.shape[0]):
+        store3(u, k, control(data, load3(guess, k), W, k)[0])
+
+
+@kernel
+def _torque_change(data, guess, step, u, W):
+    """Euclidean norm, over all stages, of how far ``step`` moves the torques u of the guess.
+
+    By (38) itself, not by its derivative: a stage at the border of its limit counts in full.
+    Leaves other controls in W.
+    """
+    total = 0.0
+    for k in range(u.shape[0]):
+        moved, _ = control(data, add(load3(guess, k), load3(step, k)), W, k)
+        d = sub(moved, load3(u, k))
+        total += dot(d, d)
+    return math.sqrt(total)
+
+
+@kernel
+def error_bound(change, last_change):
+    """Bound of what is left after a correction, from the next one, which is not made.
+
+    Where the changes go on falling by q = change / last_change, change / (1 - q) is left.
+    """
+    if change == 0.0:
+        return 0.0
+    if not change < last_change:
+        return math.inf
+    return SAFETY * change / (1.0 - change / last_change)
+
+
+@kernel
+def _correct_twice(problem, horizon, work, pattern):
+    """Make the correction in ``step``, and one more; returns a bound of the error, the residual.
+
+    The bound is infinite where other limits act than ``pattern`` has. The last point is left in
+    ``trial``, its residual in ``resid``.
+    """
+    body, data, zones, track = problem
+    R, Pi, u, lam, W = horizon
+    guess, trial, resid, step, fac = work
+    zero = (0.0, 0.0, 0.0)
+    move(guess, 1.0, step, trial)
+    changes, norm = (math.inf, math.inf), math.inf
+    for correction in range(2):
+        if correction > 0:
+            move(trial, 1.0, step, trial)
+        status, norm, acts = evaluate(body, data, zones, track, trial, R, Pi, u, lam, resid, W)
+        if status != 0 or acts != pattern or not math.isfinite(norm):
+            return math.inf, norm
+        substitute(data[H], fac, resid, zero, zero, 0.0, step)
+        changes = (_torque_change(data, trial, step, u, W), changes[0])
+    return error_bound(changes[0], changes[1]), norm
+
+
+@kernel
+def correct(inputs, R, Pi, u, lam, margins, allowed, arena, kept):
     """Carry the last optimum over to the state in ``inputs`` (11, 3), rows R, Pi, R_ref, last.
 
-    One solve with the kept factorisation predicts the multipliers, one evaluation shows what is
-    left of the conditions, and a second solve the error of the torque. Returns whether the state
-    was good and the same limits act, the predicted error of u_0, and the numbers of `solve`.
+    One solve with the kept factorization predicts the multipliers, a second one corrects them, and
+    a third, which is not used, shows how far the torques would move once more.
+
+    Returns success, the bound of the error of all torques, and the numbers of `solve`.
     """
     nan = math.nan
     N = u.shape[0]
     R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
     problem, W, work, _ = carve(arena, N, margins.shape[0])
-    body, data, zones, track = problem
+    _, data, zones, track = problem
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
         return False, nan, nan, nan, nan, nan, nan
     eta = small_rotation_vector(mat_t_mat(load9_rows(inputs, LAST), R_0))
     substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)
-    move(guess, 1.0, step, trial)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
-    status, norm, pattern = evaluate(body, data, zones, track, trial, R, Pi, u, lam[:N], resid, W)
-    if status != 0 or not math.isfinite(norm):
-        return False, nan, norm, nan, nan, nan, nan
-    zero = (0.0, 0.0, 0.0)
-    substitute(data[H], fac, resid, zero, zero, 0.0, step)
-    left = mat_vec(load9_flat(fac, 0, U_AT), load3(step, 0))
+    bound, norm = _correct_twice(problem, (R, Pi, u, lam[:N], W), work, kept[1])
+    if not bound <= allowed:
+        return False, bound, norm, nan, nan, nan, nan
     move(trial, 0.0, trial, guess)
     for i in range(4):
         store3(inputs, LAST + i, load3(inputs, i))
     repeat_last(lam)
+    _fill_torques(data, guess, u, W)  # and the controls in W, which the cost needs
     cost = horizon_cost(data, zones, track, R, Pi, W)
     largest, error, travel = summarise(zones, R_ref, R, W, margins)
     _cut(data, u, W)
-    return pattern == kept[1], math.sqrt(dot(left, left)), norm, cost, largest, error, travel
+    return True, bound, norm, cost, largest, error, travel

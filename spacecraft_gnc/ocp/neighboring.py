@@ -1,12 +1,14 @@
-"""Neighbouring extremals on line: carry the last optimum over to the new state, solve when needed.
+"""Neighboring extremals on line: carry the last optimum over to the new state, solve when needed.
 
 Between two control steps the problem changes in its initial state only. To first order its solution
-follows from one substitution with the factorisation of the last exact solve; one evaluation of the
-conditions shows how well. An exact solve is made instead where
+follows from one substitution with the factorization of the last exact solve; one evaluation of the
+conditions and another substitution correct it. The next correction is worked out, but not made: how
+far it would move the torques, and how much less than the one before, bounds what is left
+(`error_bound`). An exact solve is made instead where
 
-- the predicted error of the torque exceeds the tolerance,
-- other limits act than when the factorisation was made, or the reference has changed,
-- the factorisation is older than ``max_age`` steps, or there is none.
+- the bound exceeds the tolerance,
+- other limits act than when the factorization was made, or the reference has changed,
+- the factorization is older than ``max_age`` steps, or there is none.
 
 The torque follows from the multipliers by (38), as in an exact solve, so the torque limit holds;
 what the penalty leaves beyond it is cut off. Source: Bagherzadeh et al. 2023, section 5, with the
@@ -36,12 +38,13 @@ CONVERGED = Status.CONVERGED
 
 @dataclass(frozen=True, slots=True)
 class NeighboringOptions:
-    """When a neighbouring extremal is good enough.
+    """When a neighboring extremal is good enough.
 
     Attributes
     ----------
     tolerance : float
-        Largest predicted error of the torque, as a share of max_torque (of 1 N m without a limit).
+        Largest bound of the error of the planned torques, together, as a share of max_torque, or
+        without a limit of the largest torque of the last exact plan.
     max_age : int
         Steps after which an exact solve is made anyway.
     """
@@ -55,7 +58,7 @@ class NeighboringOptions:
 
 
 class NeighboringExtremal:
-    """Solve a sequence of neighbouring problems, exactly only where that is needed.
+    """Solve a sequence of neighboring problems, exactly only where that is needed.
 
     Parameters
     ----------
@@ -67,9 +70,13 @@ class NeighboringExtremal:
     Attributes
     ----------
     corrected, solved : int
-        Steps answered by a neighbouring extremal, and by an exact solve.
-    predicted_error : float
-        Predicted error [N m] of the last torque; zero after an exact solve.
+        Steps answered by a neighboring extremal, and by an exact solve.
+    largest_error : float
+        What the tolerance allows [N m]; without a torque limit, since the last exact solve.
+    error_bound : float
+        Bound [N m] of the error of the last plan's torques, sqrt(sum_k |u_k - exact u_k|^2); zero
+        after an exact solve. An estimate from the contraction seen, doubled: docs/solver.md has how
+        often it was measured to hold.
     """
 
     def __init__(
@@ -85,10 +92,9 @@ class NeighboringExtremal:
         if self.solver.formulation != "backward_sweep":
             raise ParameterError(
                 f"formulation: received {self.solver.formulation!r}; required the backward sweep, "
-                "whose factorisation the correction needs; give 'auto'"
+                "whose factorization the correction needs; give 'auto'"
             )
-        scale = ocp.max_torque if ocp.max_torque > 0.0 else 1.0
-        self._largest_error = self.neighboring.tolerance * scale
+        self.largest_error = self.neighboring.tolerance * ocp.max_torque
         self._shapes, self._n_zones = horizon_shapes(ocp.horizon), len(ocp.zones)
         self._max_age, self._limit = self.neighboring.max_age, ocp.max_torque
         self._work = self.solver.work
@@ -102,7 +108,7 @@ class NeighboringExtremal:
         self._curvature = math.nan
         self._target, self._target_bytes = np.eye(3), b""
         self.corrected = self.solved = 0
-        self.predicted_error = 0.0
+        self.error_bound = 0.0
 
     def forget(self) -> None:
         """Forget the last optimum, as where another solution was flown; keep the counts."""
@@ -110,7 +116,7 @@ class NeighboringExtremal:
 
     @property
     def hit_rate(self) -> float:
-        """Share of the steps that a neighbouring extremal answered."""
+        """Share of the steps that a neighboring extremal answered."""
         return self.corrected / max(1, self.corrected + self.solved)
 
     def solve(
@@ -120,11 +126,11 @@ class NeighboringExtremal:
         reference: ArrayLike | None = None,
         warm_start: Array | None = None,
     ) -> Solution:
-        """Return a neighbouring extremal or an exact solution, as `ShootingSolver.solve`.
+        """Return a neighboring extremal or an exact solution, as `ShootingSolver.solve`.
 
-        `Solution.formulation` tells which; a neighbouring extremal has ``iterations`` 0, and its
+        `Solution.formulation` tells which; a neighboring extremal has ``iterations`` 0, and its
         ``residual`` is what it leaves of the first-order conditions; ``min_curvature`` is that of
-        the exact solve whose factorisation it uses.
+        the exact solve whose factorization it uses.
         """
         try:
             plain = attitude.shape == (3, 3) and momentum.shape == (3,)  # type: ignore[union-attr]
@@ -139,7 +145,11 @@ class NeighboringExtremal:
                 return corrected
         solution = self.solver.solve(attitude, momentum, reference, warm_start)
         self.solved += 1
-        self.predicted_error = 0.0
+        self.error_bound = 0.0
+        if self._limit == 0.0:
+            self.largest_error = self.neighboring.tolerance * float(
+                np.linalg.norm(solution.torques, axis=1).max()
+            )
         usable = solution.converged and self.solver.kept[0] == 1
         self._age = 0 if usable else self._max_age
         self._curvature = solution.min_curvature
@@ -165,14 +175,14 @@ class NeighboringExtremal:
         self._attitude[...], self._momentum[...] = attitude, momentum
         R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
-        same, error, norm, cost, largest, off, travel = correct(
-            rows, R, Pi, u, lam, margins, *self._work
+        good, bound, norm, cost, largest, off, travel = correct(
+            rows, R, Pi, u, lam, margins, self.largest_error, *self._work
         )
-        if not same or not error <= self._largest_error:
+        if not good:
             return None
         self._age += 1
         self.corrected += 1
-        self.predicted_error = error
+        self.error_bound = bound
         limit = self._limit
         margin = limit - largest**0.5 if limit > 0.0 else math.inf
         return Solution(
