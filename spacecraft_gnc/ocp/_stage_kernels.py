@@ -145,11 +145,13 @@ def control_sensitivity(data, W, k, estimated):
 
 @kernel
 def hashed(pattern, number):
-    """Append a number to a hash of 63 bits, the same compiled and interpreted.
+    """Append a number, or another hash, to a hash of 63 bits; the same compiled and interpreted.
 
-    Two given sequences share a hash with a probability of about 1e-19.
+    Two given sequences share a hash with a probability of about 1e-19. The hash is mixed before
+    the number comes in, so that a hash that is appended to itself does not cancel.
     """
-    pattern = ((pattern ^ number) * _MULTIPLIER) & _LOW_63
+    pattern = (pattern * _MULTIPLIER) & _LOW_63
+    pattern = ((pattern ^ (pattern >> 32) ^ number) * _MULTIPLIER) & _LOW_63
     return pattern ^ (pattern >> 32)
 
 

@@ -23,7 +23,8 @@ def pattern_of(ocp, guess, attitude):
     resid = np.empty_like(guess)
     status, _, pattern = sweep.evaluate(*constants, guess, R, Pi, u, lam, resid, W)
     assert status == 0
-    active = {(k, "torque") for k in range(len(u)) if np.linalg.norm(u[k]) > LIMIT}
+    limit = ocp.max_torque or math.inf
+    active = {(k, "torque") for k in range(len(u)) if np.linalg.norm(u[k]) > limit}
     for i, zone in enumerate(ocp.zones):
         value = R[1:-1].transpose(0, 2, 1) @ zone.inertial_axis @ zone.body_axis
         excess = zone.sign * (value - math.cos(zone.half_angle))
@@ -91,6 +92,36 @@ def test_no_two_neighboring_sets_share_a_hash():
     assert len(without) == 64 * 63 // 2
     subsets = [[k for k in range(18) if bits >> k & 1] for bits in range(1, 1 << 18)]
     assert len({chained([k + 1 for k in subset]) for subset in subsets}) == len(subsets)
+
+
+def test_each_zone_at_each_stage_has_a_pattern_of_its_own():
+    """A zone on the stage of its own number once had the pattern of no zone."""
+    alone = {(k, i): chained([k, chained([i])]) for k in range(1, 200) for i in range(1, 40)}
+    assert len({0, *alone.values()}) == 1 + len(alone)
+    two = {chained([k, chained([i]), j, chained([m])]) for k, i, j, m in few() if k != j}
+    both = {chained([k, chained([i, m])]) for k, i, _, m in few() if i != m}
+    assert len(two) == 12 * 11 * 6 * 6
+    assert len(both) == 12 * 6 * 5
+    assert len({0, *alone.values()} & (two | both)) == 0
+    assert not two & both
+
+
+def few():
+    return itertools.product(range(1, 13), range(1, 7), range(1, 13), range(1, 7))
+
+
+def test_a_zone_that_acts_on_one_stage_alone_is_seen():
+    zones = tuple(PointingZone("exclusion", axis, axis, 0.3, 1.0) for axis in np.eye(3))
+    ocp = AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 6, Weights(), zones=zones)
+    rng = np.random.default_rng(4)
+    patterns = {}
+    for _ in range(2000):
+        guess = 0.3 * rng.normal(size=(ocp.horizon, 3))
+        pattern, active = pattern_of(ocp, guess, lie.exp(rng.normal(size=3)))
+        assert patterns.setdefault(active, pattern) == pattern
+    assert len(set(patterns.values())) == len(patterns)
+    alone = {one for active in patterns if len(active) == 1 for one in active}
+    assert alone >= {(k, i) for k in (1, 3, 4, 5) for i in range(3)}
 
 
 def chained(numbers):
