@@ -75,7 +75,7 @@ lock: $(STAMPS)/environment ## resolve the dependencies anew into the lock files
 	@for peers in peers acados; do $(BIN)/uv $(COMPILE) benchmarks/peers/$$peers.txt --output-file benchmarks/peers/$$peers.lock; done
 
 clean: ## remove everything that make and colcon made, but no flight
-	rm -rf $(VENV) .venv-peers .venv-acados .venv-readers test/readers/node_modules build install log *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf $(VENV) .venv-peers .venv-acados .venv-readers .random_problems test/readers/node_modules build install log *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find spacecraft_gnc test -name __pycache__ -prune -exec rm -rf {} +
 
 # An environment holds absolute paths: in a moved or copied checkout, or when its Python has gone,
