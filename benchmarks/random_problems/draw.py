@@ -55,6 +55,16 @@ class Drawn:
         """Return the problem as what JSON holds."""
         return {name: _plain(value) for name, value in asdict(self).items()}
 
+    @classmethod
+    def of(cls, plain: dict[str, Any]) -> Drawn:
+        """Return the problem that `plain` wrote."""
+        kept = {"zones", "units", "other_units"}
+        arrays = {
+            name: np.array(value) if isinstance(value, list) and name not in kept else value
+            for name, value in plain.items()
+        }
+        return cls(**arrays)
+
 
 def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):

@@ -12,6 +12,7 @@ import numpy as np
 
 CORRECTION = 1e-8  # Newton step, relative to the largest control, from which CONVERGED is false
 WORSE = 1e-6  # of the part of the cost that the controls move
+ROUNDING = 1e-13  # of the whole cost
 COST = 1e-9  # by which the cost we state may differ from the model's
 UNLIKE = 1e-8  # of the controls of one problem in two sets of units
 MOST_LINES = 40  # of each kind of fault
@@ -128,11 +129,12 @@ def _judge_solution(verdict: Verdict, what: Row, account: Row) -> None:
         verdict.cost.append(what | {"error": error})
     if ipopt.get("solved"):
         excess = check["cost"] - ipopt["cost"]
-        size = max(abs(check["moved"]), abs(ipopt["moved"]), 1e-12 * abs(check["cost"]))
-        row = what | {"excess": excess / size if size > 0.0 else 0.0, "cost": check["cost"]}
-        if excess > WORSE * size:
+        moved = max(check["moved"], ipopt["moved"])
+        bound = WORSE * moved + ROUNDING * check["cost"]
+        row = what | {"excess": excess / moved if moved > 0.0 else 0.0, "cost": check["cost"]}
+        if excess > bound:
             verdict.worse.append(row)
-        elif -excess > WORSE * size:
+        elif -excess > bound:
             verdict.better.append(row)
 
 

@@ -15,6 +15,7 @@ motion. Its results are kept in `--keep` and not made again. Exit code 1 where t
 from __future__ import annotations
 
 import argparse
+import gzip
 import json
 import os
 import subprocess
@@ -90,6 +91,7 @@ def main() -> int:
     parser.add_argument("--max-iterations", type=int, default=ShootingOptions().max_iterations)
     parser.add_argument("--keep", type=Path, default=ROOT / ".random_problems", metavar="FOLDER")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write figures and faults here")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write IPOPT's optima here")
     wanted = parser.parse_args()
     if not PYTHON.exists():
         sys.exit(".venv-peers is absent: make bench installs it")
@@ -113,9 +115,22 @@ def main() -> int:
         print(f"the model was stopped after {wanted.limit:g} s: the rest was not judged")
     if one:
         _tell(wanted.only, verdict)
+    if wanted.write:
+        write(wanted.write, verdict)
     if wanted.json:
         wanted.json.write_text(json.dumps(verdict.plain(), indent=1) + "\n", encoding="utf-8")
     return 1 if verdict.faults or not whole else 0
+
+
+def write(path: Path, verdict: Verdict) -> None:
+    """Write the problems that IPOPT solves, with its optima, for the tests."""
+    rows = [
+        {"drawn": draw(seed).plain()} | {key: found[key] for key in ("controls", "cost", "moved")}
+        for seed, account in verdict.accounts.items()
+        if (found := account["ipopt"])["solved"]
+    ]
+    with path.open("wb") as raw, gzip.GzipFile("", "wb", fileobj=raw, mtime=0) as file:
+        file.write(json.dumps(rows).encode())
 
 
 def _tell(seed: int, verdict: Verdict) -> None:
