@@ -6,14 +6,19 @@ compiled ones of this package, which is the best that can be done for them.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 
 from spacecraft_gnc.arguments import as_count, require_kind, require_positive
+from spacecraft_gnc.dynamics import state_units
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp import _shooting_kernels
+from spacecraft_gnc.ocp._data_kernels import MADE_OF, MADE_OF_PI
+from spacecraft_gnc.ocp._newton_kernels import conditions_hold
 from spacecraft_gnc.ocp._stage_kernels import Z_AT, horizon_cost, work_size
 from spacecraft_gnc.ocp.assembly import assemble, failed
 from spacecraft_gnc.ocp.linearization import linearize
@@ -22,8 +27,32 @@ from spacecraft_gnc.ocp.rollout import Horizon, track_of
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
-SETTLED = 1e-6  # residual with which a search that forward differences no longer advance is done
-FAR = 1e12  # cost of controls under which the integrator has no step
+# Residual, in units of the multipliers, with which a search that forward differences no longer
+# advance is done.
+SETTLED = 4e-6
+FAR = 1e12  # cost, or residual, of controls under which the integrator has no step
+DIFFERENCE = 1.5e-6  # step of the forward differences, as a share of the limit
+
+
+class Units(NamedTuple):
+    """What the numbers that a solver of scipy sees are counted in."""
+
+    cost: float
+    """Of an attitude error of about one radian, or of the momentum that makes it, all along."""
+    multiplier: float
+    """Of lambda2: that cost over the momentum that turns the body by a radian in the horizon."""
+    control: float
+    """Controls that cost as much over one step [N m], so that second derivatives are about 1."""
+
+    @classmethod
+    def of(cls, ocp: AttitudeOcp) -> Units:
+        """Return the units of a problem."""
+        span, dearest = ocp.horizon * ocp.time_step, float(ocp.control_weights.max())
+        momentum = float(state_units(np.asarray(ocp.inertia), span)[3])
+        multiplier = float(ocp.data[MADE_OF] + ocp.data[MADE_OF_PI] * momentum)
+        multiplier = multiplier or dearest * momentum / span  # where no state costs anything
+        cost = multiplier * momentum
+        return cls(cost, multiplier, math.sqrt(cost / (ocp.time_step * dearest)))
 
 
 class SlsqpSolver:
@@ -36,11 +65,13 @@ class SlsqpSolver:
     ----------
     ocp : AttitudeOcp
     tolerance : float
-        Change of the cost at which the minimisation stops.
+        Change of the cost at which the minimisation stops, in `Units.cost`.
     max_iterations : int
 
     Notes
     -----
+    Controls and cost are handed over in `Units`, so that differences and tolerance are the same
+    whatever the units of the problem are.
     ``residual`` of its solutions is the norm of the gradient of the cost along the directions that
     the torque limit leaves free, over 2 h; ``min_curvature`` is NaN: nothing certifies a minimum.
     Source: Gupta et al. 2015, section IV (baseline solver); Kalabic et al. 2014.
@@ -49,11 +80,13 @@ class SlsqpSolver:
     formulation = "slsqp"
 
     def __init__(
-        self, ocp: AttitudeOcp, tolerance: float = 1e-13, max_iterations: int = 100
+        self, ocp: AttitudeOcp, tolerance: float = 1e-12, max_iterations: int = 100
     ) -> None:
         self.ocp = require_kind("ocp", ocp, AttitudeOcp)
         self._plain = replace(ocp, max_torque=0.0, zones=())
+        self._units = Units.of(ocp)
         self._options = {
+            "eps": DIFFERENCE * (ocp.max_torque / self._units.control or 1.0),
             "maxiter": as_count("max_iterations", max_iterations, remedy="give 100"),
             "ftol": require_positive("tolerance", tolerance),
         }
@@ -87,33 +120,38 @@ class SlsqpSolver:
             turned = (warm_start[:, 3:] @ ocp.torque_map @ ocp.control_axes) / ocp.control_weights
             first = turned @ ocp.control_axes.T
 
+        units = self._units
+
         def cost(x: Array) -> float:
             try:
-                return self._plain.cost(x.reshape(shape), *state, target)
+                return (
+                    self._plain.cost(units.control * x.reshape(shape), *state, target) / units.cost
+                )
             except GncError:
                 return FAR
 
         found = minimize(
-            cost, first.ravel(), method="SLSQP", constraints=self._constraints(shape, state),
-            options=self._options,
+            cost, first.ravel() / units.control, method="SLSQP",
+            constraints=self._constraints(shape, state), options=self._options,
         )  # fmt: skip
         status = Status.CONVERGED if found.success else Status.LINE_SEARCH_FAILED
         if found.status == 9:  # scipy's number for the iteration limit
             status = Status.MAX_ITERATIONS
-        u = np.asarray(found.x, dtype=np.float64).reshape(shape)
+        u = units.control * np.asarray(found.x, dtype=np.float64).reshape(shape)
         return self._solution(u, state, target, status, int(found.nit), started)
 
     def _constraints(
         self, shape: tuple[int, int], state: tuple[Array, Array]
     ) -> list[dict[str, object]]:
-        ocp, limits = self.ocp, []
+        ocp, unit, limits = self.ocp, self._units.control, []
+        largest = ocp.max_torque / unit
 
         def torque_room(x: Array) -> Array:
-            return np.asarray(1.0 - (x.reshape(shape) ** 2).sum(axis=1) / ocp.max_torque**2)
+            return np.asarray(1.0 - (x.reshape(shape) ** 2).sum(axis=1) / largest**2)
 
         def zone_room(x: Array) -> Array:
             try:
-                attitudes, _ = self._plain.rollout(x.reshape(shape), *state)
+                attitudes, _ = self._plain.rollout(unit * x.reshape(shape), *state)
             except GncError:
                 return np.full(len(ocp.zones) * (ocp.horizon - 2), -1.0)
             return np.concatenate([zone.cosine_room(attitudes[2:-1]) for zone in ocp.zones])
@@ -138,7 +176,7 @@ class SlsqpSolver:
             for k in np.flatnonzero(np.linalg.norm(u, axis=1) >= ocp.max_torque * (1.0 - 1e-6)):
                 gradient[k] -= (gradient[k] @ u[k]) / (u[k] @ u[k]) * u[k]
         norm = float(np.linalg.norm(gradient)) / (2.0 * ocp.time_step)
-        if norm <= SETTLED:
+        if norm <= SETTLED * self._units.multiplier:
             status = Status.CONVERGED
         torques = np.ascontiguousarray(u @ ocp.torque_map.T)
         plan = (horizon.attitudes, horizon.momenta, torques, horizon.costates)
@@ -157,7 +195,8 @@ class FsolveSolver:
     ----------
     ocp : AttitudeOcp
     tolerance : float
-        Largest Euclidean norm of (44) that counts as solved.
+        Largest Euclidean norm of (44) that counts as solved, relative to max |lambda2|, as
+        `ShootingOptions.residual_tolerance`.
     """
 
     formulation = "fsolve"
@@ -165,6 +204,7 @@ class FsolveSolver:
     def __init__(self, ocp: AttitudeOcp, tolerance: float = 1e-10) -> None:
         self.ocp = require_kind("ocp", ocp, AttitudeOcp)
         self._tolerance = require_positive("tolerance", tolerance)
+        self._units = Units.of(ocp)
         n = ocp.horizon
         self._horizon = (
             np.empty((n + 1, 3, 3)), np.empty((n + 1, 3)), np.empty((n, 3)), np.empty((n, 6)),
@@ -193,20 +233,22 @@ class FsolveSolver:
         R, Pi, u, lam, W = self._horizon
         R[0], Pi[0] = state
 
+        unit = self._units.multiplier * np.repeat([1.0 / _shooting_kernels.lever(problem), 1.0], 3)
+
         def residual(x: Array) -> Array:
-            lam[0] = x
+            lam[0] = x * unit
             status, E1, E2 = _shooting_kernels.propagate_horizon(*problem, *self._horizon)
-            return np.array([*E1, *E2]) if status == 0 else np.full(6, FAR)
+            return np.array([*E1, *E2]) / unit if status == 0 else np.full(6, FAR)
 
         first = np.zeros(6) if warm_start is None else ocp.checked_warm_start(warm_start)[0]
-        found = root(residual, first, method="hybr", options={"xtol": 1e-14})
-        lam[0] = found.x
+        found = root(residual, first / unit, method="hybr", options={"xtol": 1e-14})
+        lam[0] = found.x * unit
         code, E1, E2 = _shooting_kernels.propagate_horizon(*problem, *self._horizon)
         if code != 0 or not np.isfinite(R).all():
             status = Status(code) if code != 0 else Status.NOT_FINITE
             return failed(ocp, state, target, status, self.formulation)
-        norm = float(np.linalg.norm([*E1, *E2]))
-        solved = norm <= self._tolerance
+        norm = self._units.multiplier * float(np.linalg.norm(np.array([*E1, *E2]) / unit))
+        solved = bool(conditions_hold(ocp.data, lam, Pi, norm, self._tolerance))
         status = Status.CONVERGED if solved else Status.LINE_SEARCH_FAILED
         outcome = (status, int(found.nfev), norm, horizon_cost(*problem[1:], R, Pi, W))
         largest = float(np.linalg.norm(W[:, Z_AT:], axis=1).max())
