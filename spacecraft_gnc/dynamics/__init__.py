@@ -1,5 +1,5 @@
 """Vehicle dynamics."""
 
-from spacecraft_gnc.dynamics.rigid_body import RigidBody
+from spacecraft_gnc.dynamics.rigid_body import RigidBody, state_units
 
-__all__ = ["RigidBody"]
+__all__ = ["RigidBody", "state_units"]

@@ -41,6 +41,17 @@ def pack_inertia(inertia: Matrix3) -> Array:
     return read_only(np.concatenate(parts))
 
 
+def state_units(inertia: Matrix3, period: float) -> Array:
+    """Return units (6,) of (eta [rad], Pi [N m s]) in which both halves are of one size.
+
+    One radian, and the momentum that turns the body by about that in one period [s]. Norms,
+    eigenvectors and linear systems that mix attitude and momentum are taken in these units, so that
+    they are the same whatever the units of mass and time are, and well conditioned.
+    """
+    moment = float(np.linalg.eigvalsh(inertia)[0])
+    return np.repeat([1.0, moment / period], 3)
+
+
 @dataclass(frozen=True, slots=True)
 class RigidBody:
     """A free rigid body and the time step with which it is integrated.

@@ -148,7 +148,7 @@ class ControllerLoopPredictor:
     def warm_up(self) -> None:
         """Load everything that a prediction needs."""
         self._controller.warm_up()
-        self.predict(State(0, np.eye(3), np.full(3, 1e-9)), lie.exp(np.array([0.1, 0.0, 0.0])))
+        self.predict(State(0, np.eye(3), np.zeros(3)), lie.exp(np.array([0.1, 0.0, 0.0])))
 
     def reset(self) -> None:
         """Nothing to forget: every prediction starts afresh."""

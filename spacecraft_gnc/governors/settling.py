@@ -20,7 +20,7 @@ import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.dynamics import RigidBody, state_units
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp.linearization import deviation
 from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3
@@ -76,11 +76,14 @@ class OneStep(NamedTuple):
         following = self.body.step(attitude, momentum, torque, self.substeps)
         return deviation(*following, self.reference, zero), torque
 
+    @property
+    def units(self) -> Array:
+        """Units (6,) of a deviation in which its two halves are of one size."""
+        return state_units(self.body.inertia, self.substeps * self.body.time_step)
+
     def linearize(self) -> tuple[Array, Array]:
         """Return d x+ / d x (6, 6) and d torque / d x (3, 6), by central differences."""
-        moment = float(np.linalg.eigvalsh(self.body.inertia)[0])
-        sizes = np.full(6, PROBE)
-        sizes[3:] *= moment / (self.substeps * self.body.time_step)
+        sizes = PROBE * self.units
         loop, gain = np.empty((6, 6)), np.empty((3, 6))
         for i, probe in enumerate(np.diag(sizes)):
             (ahead, more), (behind, less) = self.from_deviation(probe), self.from_deviation(-probe)
@@ -103,7 +106,9 @@ def settled_set(step: OneStep, max_torque: float = 0.0, max_momentum: float = 0.
     ParameterError
         If the loop does not decay at the reference, or is not linear however near it is.
     """
+    units = step.units
     loop, gain = step.linearize()
+    loop, gain = loop * units / units[:, None], gain * units
     radius = float(np.abs(np.linalg.eigvals(loop)).max())
     if not radius < 1.0 - 1e-9:
         raise ParameterError(
@@ -117,20 +122,25 @@ def settled_set(step: OneStep, max_torque: float = 0.0, max_momentum: float = 0.
     error_gain = _largest(shape[:3, :3])
     level = (LARGEST_ERROR / error_gain) ** 2
     if max_momentum > 0.0:
-        level = min(level, (ROOM * max_momentum / _largest(shape[3:, 3:])) ** 2)
+        largest = units[3] * _largest(shape[3:, 3:])
+        level = min(level, (ROOM * max_momentum / largest) ** 2)
     if max_torque > 0.0:
         level = min(level, (ROOM * max_torque / _largest(gain @ shape @ gain.T)) ** 2)
     level = _linear_level(step, loop, metric, level, NONLINEAR * (1.0 - radius))
-    return SettledSet(np.ascontiguousarray(metric), level, error_gain, radius)
+    return SettledSet(metric / np.outer(units, units), level, error_gain, radius)
 
 
 def _linear_level(step: OneStep, loop: Array, metric: Array, level: float, share: float) -> float:
-    """Halve sizes until the loop is linear at the ends of the level set's twelve semi-axes."""
+    """Halve sizes until the loop is linear at the ends of the level set's twelve semi-axes.
+
+    ``loop`` and ``metric`` are in the units of the step.
+    """
+    units = step.units
     values, vectors = np.linalg.eigh(metric)
     axes = (vectors / np.sqrt(values)).T
     for _ in range(8):
         points = math.sqrt(level) * np.concatenate([axes, -axes])
-        misses = [step.from_deviation(x)[0] - loop @ x for x in points]
+        misses = [step.from_deviation(x * units)[0] / units - loop @ x for x in points]
         if all(miss @ metric @ miss <= share**2 * level for miss in misses):
             return level
         level *= 0.25

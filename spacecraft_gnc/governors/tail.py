@@ -27,6 +27,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov, sqrtm
 
+from spacecraft_gnc.dynamics import state_units
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors import _tail_kernels as kernels
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
@@ -58,6 +59,11 @@ class Loop:
     def arguments(self) -> tuple[Array, float, int, Array]:
         """First arguments of the kernels."""
         return self.feedback.body, self.time_step, self.substeps, self.feedback.law
+
+    @property
+    def units(self) -> Array:
+        """Units (6,) of x in which its two halves are of one size."""
+        return state_units(np.asarray(self.feedback.inertia), self.substeps * self.time_step)
 
     def matrix(self) -> Array:
         """Return M (6, 6) of the loop linearised at rest at the reference."""
@@ -128,17 +134,20 @@ def tail_of(loop: Loop, limits: Limits) -> Tail:
     ParameterError
         If the loop is not stable at its sampling.
     """
-    matrix = loop.matrix()
+    units = loop.units
+    matrix = loop.matrix() * units / units[:, None]
     radius = float(np.abs(np.linalg.eigvals(matrix)).max())
     if not radius < 1.0:
         raise ParameterError(
             f"feedback gains: received gains for which the sampled loop has spectral radius "
             f"{radius:.6g}; required less than 1; lower the gains, or the control period"
         )
-    energy = _energy(loop.feedback)
-    form = solve_discrete_lyapunov(matrix.T / math.sqrt(radius), energy)
+    both = np.outer(units, units)
+    form = solve_discrete_lyapunov(matrix.T / math.sqrt(radius), _energy(loop.feedback) * both)
     form = 0.5 * (form + form.T)
-    root = np.real(sqrtm(np.linalg.inv(form)))  # x = root y, |y| = 1 where x . P x = 1
+    # x = root y with |y| = 1 where x . P x = 1
+    root = units[:, None] * np.real(sqrtm(np.linalg.inv(form)))
+    form = form / both
     level = _bounded_level(loop.feedback, limits, root)
     points = root @ ball(SAMPLES, 6, SHELLS).T
     widest = float(np.linalg.norm(root[:3], 2))
@@ -252,7 +261,7 @@ def _bounded_level(feedback: AttitudeFeedback, limits: Limits, root: Array) -> f
     linear = float(np.linalg.norm(gain @ root, 2))
     angle = float(np.linalg.norm(root[:3], 2))
     momentum = float(np.linalg.norm(root[3:], 2))
-    energy = 0.5 * float(np.linalg.norm(root @ _energy(feedback) @ root, 2))
+    energy = 0.5 * float(np.linalg.norm(root.T @ _energy(feedback) @ root, 2))
     bend = 0.5 * angle**2 * float(np.linalg.norm(feedback.stiffness, 2))
     torque = _KEPT * min(limits.torque, float(feedback.law[18]))
     # linear r + bend r^2 <= torque for r = sqrt(c), solved without cancellation

@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from spacecraft_gnc.dynamics import state_units
 from spacecraft_gnc.loop.protocols import Standstill
 from spacecraft_gnc.ocp import AttitudeOcp, Solution
 from spacecraft_gnc.ocp.linearization import deviation, linearize
@@ -29,7 +30,7 @@ from spacecraft_gnc.types import Array, Vector3
 QUIET = 1e-3  # share of the error that motion and torque would cover in one horizon
 NEAR = 0.25  # share of the error within which the fixed point lies
 MARGINAL = 1e-6  # radii up to 1 + this are stable: an idle axis has 1 twice, known to 1e-8 only
-NOISE = 1e-6  # amplitude [rad, N m s] below which that of the unstable mode is rounding
+NOISE = 1e-6  # amplitude, in `state_units`, below which that of the unstable mode is rounding
 PUSH = 1e-2  # share of the error that the escape torque covers in one horizon
 TOUCHING = 1e-3  # angle [rad] to a zone, share of the torque limit, that counts as active
 
@@ -61,6 +62,7 @@ class StandstillMonitor:
         self._tolerance = error_tolerance if error_tolerance > 0.0 else math.inf
         self._names = tuple(zone_names) or tuple(f"zone {i}" for i in range(len(ocp.zones)))
         self._smallest_inertia = float(np.linalg.eigvalsh(np.asarray(ocp.inertia))[0])
+        self._units = state_units(np.asarray(ocp.inertia), ocp.time_step)
         self._horizon_time = ocp.horizon * ocp.time_step
 
     def examine(self, solution: Solution) -> Finding | None:
@@ -76,9 +78,10 @@ class StandstillMonitor:
         return self._certify(solution, error)
 
     def _certify(self, solution: Solution, error: float) -> Finding | None:
-        loop = linearize(solution).closed_loop
+        units = self._units
+        loop = linearize(solution).closed_loop * units / units[:, None]
         attitudes, momenta = solution.attitudes, solution.momenta
-        drift = deviation(attitudes[1], momenta[1], attitudes[0], momenta[0])
+        drift = deviation(attitudes[1], momenta[1], attitudes[0], momenta[0]) / units
         to_fixed_point = np.asarray(np.linalg.lstsq(np.eye(6) - loop, drift, rcond=None)[0])
         if not np.isfinite(loop).all() or np.linalg.norm(to_fixed_point[:3]) > NEAR * error:
             return None
@@ -93,7 +96,7 @@ class StandstillMonitor:
         return Finding(Standstill(radius, bool(push.any()), self._active(solution)), torque)
 
     def _escape_torque(self, mode: Array, offset: Array, error: float) -> Vector3:
-        """Torque that moves the unstable mode's amplitude the most.
+        """Torque that moves the unstable mode's amplitude the most; both are in `state_units`.
 
         Its sign keeps the way the loop has already left its fixed point; where that is below
         rounding, the largest component is positive. Its size would turn the body by `PUSH` of the

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from spacecraft_gnc.dynamics import state_units
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array, Matrix3
 
@@ -30,7 +31,7 @@ class TerminalController(NamedTuple):
         stage_rate: Matrix3,
         stage_torque: Matrix3,
     ) -> TerminalController:
-        """Solve the Riccati equation (27).
+        """Solve the Riccati equation (27), in `state_units` and units of the attitude's weight.
 
         Parameters
         ----------
@@ -49,12 +50,16 @@ class TerminalController(NamedTuple):
         import scipy.linalg  # loads for long, and for this method only
 
         inverse, zero = np.linalg.inv(inertia), np.zeros((3, 3))
-        A = np.block([[np.eye(3), time_step * inverse], [zero, np.eye(3)]])
-        B = np.vstack([zero, time_step * np.eye(3)])
+        units, cost = state_units(inertia, time_step), float(np.abs(stage_attitude).max())
+        momentum, torque = units[3], units[3] / time_step
+        A = np.block([[np.eye(3), time_step * momentum * inverse], [zero, np.eye(3)]])
+        B = np.vstack([zero, np.eye(3)])
         attitude, rate = _trace_minus(stage_attitude), inverse @ _trace_minus(stage_rate) @ inverse
-        Q = np.block([[attitude, zero], [zero, 0.5 * (rate + rate.T)]])
+        rate *= 0.5 * momentum**2
+        Q = np.block([[attitude, zero], [zero, rate + rate.T]]) / cost
+        M = stage_torque * (torque**2 / cost)
         try:
-            P = scipy.linalg.solve_discrete_are(A, B, Q, stage_torque)
+            P = scipy.linalg.solve_discrete_are(A, B, Q, M)
         except np.linalg.LinAlgError as error:
             raise ParameterError(
                 f"weights: received weights for which the Riccati equation (27) fails ({error}); "
@@ -62,8 +67,8 @@ class TerminalController(NamedTuple):
                 "weights of similar size"
             ) from error
         P = 0.5 * (P + P.T)
-        K = -np.linalg.solve(stage_torque + B.T @ P @ B, B.T @ P @ A)
-        return cls(np.asarray(P), np.asarray(K))
+        K = -np.linalg.solve(M + B.T @ P @ B, B.T @ P @ A)
+        return cls(np.asarray(P * (cost / np.outer(units, units))), np.asarray(K * torque / units))
 
     def torque_level(self, max_torque: float) -> float:
         """Return the largest c with |K x| <= max_torque wherever x . P x <= c: exact."""

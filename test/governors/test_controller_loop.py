@@ -18,7 +18,13 @@ from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
 from spacecraft_gnc.loop import Command, Reference, Source, State
 from spacecraft_gnc.loop.controllers import ShootingController, SolverController
-from spacecraft_gnc.ocp import AttitudeOcp, NeighboringExtremal, PointingZone, ShootingSolver
+from spacecraft_gnc.ocp import (
+    AttitudeOcp,
+    NeighboringExtremal,
+    PointingZone,
+    ShootingSolver,
+    Weights,
+)
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.shipped import shipped
 
@@ -71,6 +77,29 @@ def free():
 
 
 # --- where a loop has settled --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("mass", "time"), [(1e-6, 1.0), (1e7, 1.0), (1.0, 1e4), (2.0**9, 2.0**-5)])
+def test_the_settled_set_is_the_same_in_other_units(mass, time):
+    torque, momentum = mass / time**2, mass / time
+    sets = []
+    for m, t, u, p in ((1.0, 1.0, 1.0, 1.0), (mass, time, torque, momentum)):
+        weights = Weights(0.01 / t, 0.01 / t / p**2, 1.0 / t / u**2, 0.01, 0.01 / p**2)
+        ocp = AttitudeOcp(m * INERTIA, 0.4 * t, 5, weights, 0.01 * u, 1e10 / t / u**4)
+        step = OneStep(
+            ShootingController(ShootingSolver(ocp)), RigidBody(m * INERTIA, 0.2 * t), 2, EYE
+        )
+        sets.append(settled_set(step, 0.01 * u, 0.02 * p))
+    plain, found = sets
+    units = np.repeat([1.0, momentum], 3)
+    scale = np.sqrt(np.diag(plain.metric))
+    metric = found.metric * np.outer(units, units) - plain.metric
+    # Central differences of solves: a step of 1e-4 leaves 1e-12 or so.
+    assert np.abs(metric / np.outer(scale, scale)).max() < 1e-8
+    assert found.level == pytest.approx(plain.level, rel=1e-8)
+    assert found.error_gain == pytest.approx(plain.error_gain, rel=1e-8)
+    assert found.radius == pytest.approx(plain.radius, rel=1e-8)
+    assert found.horizon == plain.horizon
 
 
 @settings(max_examples=20, deadline=None)

@@ -49,6 +49,21 @@ def test_the_linear_loop_is_the_derivative_of_the_true_one(substeps):
     assert np.abs(np.transpose(columns) - matrix).max() < 1e-9
 
 
+@pytest.mark.parametrize(("mass", "time"), [(1e-7, 1.0), (1e7, 1.0), (1.0, 1e4), (1e-9, 1e-3)])
+def test_the_tail_set_is_the_same_in_other_units(mass, time):
+    torque, momentum = mass / time**2, mass / time
+    limits = NONE._replace(torque=LIMIT, momentum=0.05)
+    plain = tail_of(Loop(FEEDBACK, H, 2), limits)
+    law = AttitudeFeedback(torque * np.diag([0.1, 0.2, 0.3]), 0.2 / time, mass * INERTIA)
+    scaled = Limits(torque * LIMIT, momentum * 0.05, torque * NONE.level, math.inf)
+    tail = tail_of(Loop(law, H * time, 2), scaled)
+    units = np.repeat([1.0, momentum], 3)
+    assert tail.form * np.outer(units, units) / torque == pytest.approx(plain.form, rel=1e-9)
+    assert tail.level / torque == pytest.approx(plain.level, rel=1e-9)
+    assert tail.radius == pytest.approx(plain.radius, rel=1e-12)
+    assert tail.growth == pytest.approx(plain.growth, rel=1e-9)  # of the same samples
+
+
 @pytest.mark.parametrize(
     "limits", [NONE, NONE._replace(torque=LIMIT), NONE._replace(momentum=0.01)]
 )

@@ -43,6 +43,24 @@ def test_the_terminal_cost_is_the_linear_loops_cost_to_go():
         assert x @ P @ x - later @ P @ later == pytest.approx(quadratic(x, K @ x), rel=1e-6)
 
 
+@pytest.mark.parametrize("unit", [(1e-7, 1.0, 1.0), (1e7, 1.0, 1.0), (1.0, 1e4, 1e-9)], ids=str)
+@pytest.mark.parametrize("terminal_set", ["true", "without_kappa"])
+def test_the_terminal_set_is_the_same_in_other_units(unit, terminal_set):
+    mass, time, cost = unit
+    plain = paper(terminal_set=terminal_set)
+    ocp = TerminalSetOcp(
+        mass * INERTIA, 0.1 * time, 5, cost, cost * time**2 * RATE,
+        1000.0 * cost * (time**2 / mass) ** 2, 0.1, 0.02 * mass / time**2, terminal_set,
+    )  # fmt: skip
+    units = np.repeat([1.0, mass / time], 3)
+    P = ocp.terminal.riccati * np.outer(units, units) / cost
+    assert plain.terminal.riccati == pytest.approx(P, rel=1e-9, abs=1e-9)
+    K = ocp.terminal.gain * units / (mass / time**2)
+    assert plain.terminal.gain == pytest.approx(K, rel=1e-9, abs=1e-12)
+    assert ocp.level.value / cost == pytest.approx(plain.level.value, rel=1e-9)
+    assert ocp.level.bound_by == plain.level.bound_by
+
+
 def test_levels_of_the_paper():
     with_kappa, without = paper().level, paper(terminal_set="without_kappa").level
     assert with_kappa.value == pytest.approx(37.8247, abs=1e-4)

@@ -1,0 +1,65 @@
+"""A scenario in other units of mass, time and cost, and what its flight has to be then."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacecraft_gnc.scenario import Scenario, load
+from spacecraft_gnc.scenario.checks_method import unread_by
+
+
+def factors(scenario: Scenario, mass: float, time: float, cost: float) -> dict[str, float]:
+    """What each parameter that has a unit is multiplied by."""
+    torque, momentum = mass / time**2, mass / time
+    # (28) multiplies the stage cost by h; Kalabic's (24) does not.
+    stage = cost if scenario.controller.method == "terminal_set" else cost / time
+    own = {
+        "nmpc_controller.weights.stage_attitude": stage,
+        "nmpc_controller.weights.stage_momentum": stage / momentum**2,
+        "nmpc_controller.weights.stage_torque": stage / torque**2,
+        "nmpc_controller.weights.stage_rate": stage * time**2,
+        "nmpc_controller.weights.terminal_attitude": cost,
+        "nmpc_controller.weights.terminal_momentum": cost / momentum**2,
+        "nmpc_controller.torque_penalty": stage / torque**4,
+        "nmpc_controller.feedback_attitude_gain": torque,
+        "nmpc_controller.feedback_momentum_gain": 1.0 / time,
+        "nmpc_controller.nominal_momentum": momentum,
+        "plant.initial_momentum": momentum,
+        "reference_governor.max_momentum": momentum,
+        "reference_governor.lyapunov_level": torque,
+        "reference_governor.slew_rate_tolerance": 1.0 / time,
+        "plant.duration": time,
+    }
+    for section in ("plant", "nmpc_controller"):
+        own |= {f"{section}.inertia": mass, f"{section}.time_step": time}
+    for section in ("nmpc_controller", "reference_governor"):
+        own[f"{section}.max_torque"] = torque
+    own |= {
+        f"nmpc_controller.zones.{zone.name}.penalty": stage for zone in scenario.controller.zones
+    }
+    return own
+
+
+def rescaled(
+    path: str,
+    units: tuple[float, float, float],
+    steps: int,
+    changes: dict[str, object] | None = None,
+) -> Scenario:
+    """The first ``steps`` of the scenario in ``path`` in other units, defaults included."""
+    plain = load(path, changes or {})
+    short = (steps + 0.5) * plain.period
+    own = {"plant.duration": min(plain.plant.duration, short)}
+    scaled = dict(changes or {}) | own
+    own_factors = factors(plain, *units)
+    names = [name.partition(".")[2] for name in own_factors if name.startswith("nmpc_controller.")]
+    unread = {f"nmpc_controller.{name}" for name in unread_by(plain.controller.method, names)}
+    for name, factor in own_factors.items():
+        section, _, key = name.partition(".")
+        if name in unread:
+            continue
+        value = own.get(name, plain.values[section].get(key))
+        if value is None:
+            continue
+        scaled[name] = (np.array(value) * factor).tolist()
+    return load(path, scaled)
