@@ -124,18 +124,28 @@ class SolverController:
         return command._replace(torque=finding.torque, standstill=finding.standstill)
 
     def _solve(self, state: State, reference: Reference) -> Solution | None:
+        solution = self.solve(state, reference, self._warm_start)
+        self._warm_start = None if solution is None else solution.warm_start
+        return solution
+
+    def solve(
+        self, state: State, reference: Reference, warm_start: Array | None
+    ) -> Solution | None:
+        """Try everything that this controller tries in one step, from given multipliers (N, 6).
+
+        Returns the first solve that converged, else the last one that failed; None where the solver
+        refuses the state or the reference. The warm start of the next step stays what it was.
+        """
         problem = (state.attitude, state.momentum, reference.attitude)
         try:
-            solution = self.solver.solve(*problem, self._warm_start)
-            if self._warm_start is not None and not solution.converged:
+            solution = self.solver.solve(*problem, warm_start)
+            if warm_start is not None and not solution.converged:
                 solution = self.solver.solve(*problem)
             way = self._continuation
             if way is not None and (not solution.converged or solution.iterations > way.patience):
                 solution = self._compared(solution, way.solve(*problem))
         except GncError:  # a state or reference that is no state: the ladder deals with it
-            self._warm_start = None
             return None
-        self._warm_start = solution.warm_start
         return solution
 
     def _compared(self, direct: Solution, other: Solution) -> Solution:

@@ -17,8 +17,8 @@ from spacecraft_gnc.loop.controllers import (
 )
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
 from spacecraft_gnc.loop.traits import NEIGHBORING_EXTREMAL
-from spacecraft_gnc.ocp import NominalRun, ShootingSolver, fly_nominal
-from spacecraft_gnc.types import Matrix3, Vector3
+from spacecraft_gnc.ocp import NominalRun, ShootingSolver, Solution, fly_nominal
+from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -89,6 +89,12 @@ class NominalRunController:
             return self._exact.command(state, reference)
         torque = self._solver.ocp.realizable(torque)
         return Command(torque, Source.NEIGHBORING_EXTREMAL, None)
+
+    def solve(
+        self, state: State, reference: Reference, warm_start: Array | None
+    ) -> Solution | None:
+        """Try everything that an exact step tries: see `SolverController.solve`."""
+        return self._exact.solve(state, reference, warm_start)
 
     def _nominal(self, reference: Reference) -> NominalRun | None:
         """Return the run towards this reference, flown once; None where it cannot be flown."""

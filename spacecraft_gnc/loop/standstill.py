@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -33,6 +33,8 @@ MARGINAL = 1e-6  # radii up to 1 + this are stable: an idle axis has 1 twice, kn
 NOISE = 1e-6  # amplitude, in `state_units`, below which that of the unstable mode is rounding
 PUSH = 1e-2  # share of the error that the escape torque covers in one horizon
 TOUCHING = 1e-3  # angle [rad] to a zone, share of the torque limit, that counts as active
+
+T = TypeVar("T", float, Array)
 
 
 class Finding(NamedTuple):
@@ -68,14 +70,27 @@ class StandstillMonitor:
     def examine(self, solution: Solution) -> Finding | None:
         """Return what is to be said of a converged solution; None in ordinary flight."""
         error = solution.attitude_error
-        if error <= self._tolerance or solution.travel > 0.05 * error:
+        if error <= self._tolerance:
             return None
-        span = self._horizon_time
         momentum = math.sqrt(float(solution.momenta[0] @ solution.momenta[0]))
         torque = math.sqrt(float(solution.torques[0] @ solution.torques[0]))
-        if momentum * span + 0.5 * torque * span**2 > QUIET * error * self._smallest_inertia:
+        if not self.may_stand(error, solution.travel, momentum, torque):
             return None
         return self._certify(solution, error)
+
+    def may_stand(self, error: T, travel: T, momentum: T, torque: T) -> Any:
+        """Tell whether motion has stopped away from the target, of one horizon or of an array.
+
+        Parameters
+        ----------
+        error, travel : float or (n,) array
+            Angle from the reference, and the one turned over the horizon [rad].
+        momentum, torque : float or (n,) array
+            Norms at the start of the horizon [N m s], [N m].
+        """
+        span, share = self._horizon_time, QUIET * self._smallest_inertia
+        stopped = momentum * span + 0.5 * torque * span**2 <= share * error
+        return (error > self._tolerance) & (travel <= 0.05 * error) & stopped
 
     def _certify(self, solution: Solution, error: float) -> Finding | None:
         units = self._units

@@ -8,6 +8,7 @@ import pytest
 from flown_bags import edited, first_of, flipped, fly, messages_of, rewrite, sections
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.audit.counts import Counts
 from spacecraft_gnc.analysis.audit.evidence import read_evidence
 from spacecraft_gnc.analysis.audit.ledger import Ledger
 from spacecraft_gnc.analysis.audit.plans import Certifier
@@ -194,7 +195,7 @@ def test_the_multiplier_of_an_active_terminal_set_is_found(tmp_path):
         evidence = read_evidence(bag, None, None)
         (block,) = evidence.solves()
         certifier = Certifier.from_scenario(evidence.scenario)
-        auditor = SolverAudit(evidence, certifier, Ledger())
+        auditor = SolverAudit(evidence, certifier, Ledger(), Counts())
         found = certifier.certify(auditor._plans(block.steps, block.fields))
     assert found.multiplier[0] > 1e-3
     assert found.residual.max() < 1e-9

@@ -18,16 +18,34 @@ from spacecraft_gnc.dynamics._lgvi_kernels import (
 )
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
+    cross,
     dot,
     load3,
     load9,
+    load9_flat,
     load9_rows,
+    mat_t_vec,
     scale,
     store3,
     store9,
 )
-from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, LOG_FORM, M_U, MU0, P_LOG, H
-from spacecraft_gnc.ocp._stage_kernels import SIGMA_AT, Z_AT, horizon_cost, squared_control
+from spacecraft_gnc.ocp._data_kernels import (
+    ALPHA,
+    D_U,
+    LOG_FORM,
+    M_U,
+    MU0,
+    P1,
+    P_LOG,
+    Q1,
+    Q_RATE,
+    S_P2,
+    S_Q2,
+    H,
+    data9,
+    log_weight,
+)
+from spacecraft_gnc.ocp._stage_kernels import M_AT, SIGMA_AT, Z_AT, horizon_cost, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import (
     factorize,
     smallest_pivot,
@@ -39,7 +57,7 @@ from spacecraft_gnc.ocp._terminal_kernels import set_track
 STATUS, ATTITUDE_DEFECT, MOMENTUM_DEFECT, RESIDUAL, RADIUS_DEFECT, COST, LARGEST, CURVATURE = range(
     8
 )
-MULTIPLIER, FIRST_DEFECT, COSTATE, NUMBERS = 8, 9, 10, 11
+MULTIPLIER, FIRST_DEFECT, COSTATE, MADE_OF, NUMBERS = 8, 9, 10, 11, 12
 ON_LIMIT = 1e-12
 """Relative distance of |u|^2 from its bound within which the bound counts as touched."""
 
@@ -137,6 +155,57 @@ def _conditions(data, lam, W, back, numbers):
 
 
 @kernel
+def _size3(x):
+    return math.sqrt(dot(x, x))
+
+
+@kernel
+def _size9(A):
+    total = 0.0
+    for i in range(9):
+        total += A[i] * A[i]
+    return math.sqrt(total)
+
+
+@kernel
+def _zones_pull(h, zones, R):
+    """Sum the sizes of what the zones that act at R add to lam1."""
+    total = 0.0
+    for i in range(zones.shape[0]):
+        v = (zones[i, 0], zones[i, 1], zones[i, 2])
+        a = mat_t_vec(R, (zones[i, 3], zones[i, 4], zones[i, 5]))
+        excess = zones[i, 7] * (dot(v, a) - zones[i, 6])
+        if excess > 0.0:
+            total += h * zones[i, 8] * excess * _size3(cross(v, a))
+    return total
+
+
+@kernel
+def _made_of(data, zones, R, Pi, W):
+    """Largest sum, over the stages, of the sizes of what adds up to lam2.
+
+    The scale of its rounding, and of what counts as little of it: near the target, where lam2
+    itself vanishes, it does not, for the entries of a rotation are of the order of one.
+    """
+    N, h = W.shape[0], data[H]
+    if data[LOG_FORM] > 0.0:
+        end, push = _size3(load3(Pi, N)), _size9(data9(data, Q_RATE))
+        a1 = 0.5 * (_size9(log_weight(data, 0, 0)) + _size9(log_weight(data, 0, 3)) * end)
+        a2 = 0.5 * (_size9(log_weight(data, 3, 0)) + _size9(log_weight(data, 3, 3)) * end)
+    else:
+        a1, push = _size9(data9(data, P1)), 0.0
+        a2 = _size9(data9(data, S_P2)) * _size3(load3(Pi, N))
+    turn, spin = h * _size9(data9(data, Q1)), h * _size9(data9(data, S_Q2))
+    largest = a2
+    for k in range(N - 1, 0, -1):
+        M = _size9(load9_flat(W, k, M_AT))
+        a2 += M * (a1 + push) + spin * _size3(load3(Pi, k))
+        a1 += turn + _zones_pull(h, zones, load9(R, k))
+        largest = max(largest, a2)
+    return largest
+
+
+@kernel
 def _multiplier(data, zones, track, R, Pi, W, lam, other, claimed):
     """Multiplier nu of the terminal set from the first costate, linear in it; ``data`` has nu = 0.
 
@@ -184,6 +253,7 @@ def certify(
             n[MULTIPLIER] = _multiplier(data, zones, track, R, Pi, W, lam[0], lam[1], costates[j])
         sweep_costates(data, zones, track, R, Pi, lam[0], W)
         n[RESIDUAL] = _conditions(data, lam[0], W, back, n)
+        n[MADE_OF] = _made_of(data, zones, R, Pi, W)
         for i in range(6):
             costates[j, i] = lam[0, 0, i]
         # the published cost leaves the multiplier's share out

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -29,15 +30,19 @@ CONDITIONS: Final = {
     "slsqp": 1e-9,
     "fsolve": 1e-6,
 }
-"""Largest difference of the residual from the certificate's, as a share of 1 + max |lambda|.
+"""Largest difference of the residual from the certificate's, as a share of what lambda2 is made of.
 
 Single shooting and fsolve publish that of (44), forward; it is compared with the gradient's."""
 CUT: Final = 1e-6
 """Share of the torque limit by which a neighbouring extremal's first torque may be cut to it."""
 CUT_COST: Final = 1e-8
 """Share of the cost that this cut may change."""
-NEWTON: Final = ("backward_sweep", "single_shooting")
-"""Formulations that stop by ``residual_tolerance``, relative to 1 + max |lambda2|."""
+LEFT: Final = 100.0
+"""How many times ``residual_tolerance``, as a share of what lambda2 is made of, a plan may leave.
+
+A solver stops relative to a measure of its own, which is smaller or larger than the audit's."""
+SETTLED: Final = {"fsolve": 1e-6, "slsqp": 1e-3}
+"""The same share of those that stop by tolerances of scipy, with derivatives by differences."""
 AMPLIFIED: Final = 1e3
 """How many times larger than its residual the error of a forward run's costates may be."""
 FORWARD_RUN: Final = ("single_shooting", "fsolve")
@@ -121,12 +126,12 @@ class CertificateAudit:
             off = np.where(found.largest >= ocp.max_torque * (1.0 - CUT), np.maximum(off, 0.0), off)
         # along a torque on the limit what a stopped solve has left is no longer to be seen
         on_limit = (ocp.max_torque > 0.0) & (found.largest >= ocp.max_torque * (1.0 - CUT))
-        limit = share * (1.0 + found.largest_costate)
+        limit = share * found.made_of
         if formulation in FORWARD_RUN:
             limit += AMPLIFIED * self._left(found)
         limit += np.where(on_limit, self._left(found), 0.0)
         ledger.bound(name, steps[free], "solver_status.residual", off[free], limit[free])
-        self._converged(formulation, steps, rows, found)
+        self._converged(formulation, steps[free], rows["residual"][free], found.made_of[free])
         name = f"|u| where the limit acts{_said(formulation)}"
         if ocp.max_torque == 0.0:
             ledger.skip(name, "the scenario has no torque limit")
@@ -141,17 +146,21 @@ class CertificateAudit:
         ledger.bound(name, steps, where, found.radius_defect, limit, "N m")
 
     def _converged(
-        self, formulation: str, steps: NDArray[np.int64], rows: Rows, found: Certificates
+        self, formulation: str, steps: NDArray[np.int64], residual: Array, made_of: Array
     ) -> None:
-        """Require the residual of a Newton solve below the tolerance of the scenario."""
-        if formulation not in NEWTON:
+        """Require that little is left of what the residual is made of, in whatever units."""
+        if formulation == NEIGHBORING:
             return
-        limit, where = (1.0 + ROUNDING) * self._left(found), "solver_status.residual"
-        self._ledger.bound(f"converged ({formulation})", steps, where, rows["residual"], limit)
+        limit, where = self.share_left(formulation) * made_of, "solver_status.residual"
+        self._ledger.bound(f"converged ({formulation})", steps, where, residual, limit)
+
+    def share_left(self, formulation: str) -> float:
+        """Return the largest residual of a converged solve, as a share of what it is made of."""
+        return SETTLED.get(formulation, LEFT * self._residual_tolerance)
 
     def _left(self, found: Certificates) -> Array:
-        """Return (m,) residuals at which a Newton solve stops."""
-        return self._residual_tolerance * (1.0 + found.largest_costate)
+        """Return (m,) residuals at which a Newton solve stops at the latest."""
+        return np.asarray(LEFT * self._residual_tolerance * found.made_of)
 
     def _numbers(
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,
@@ -218,7 +227,7 @@ class CertificateAudit:
             ledger.require(name, "sign: of earlier factors", steps, where, kept)
         else:
             off = found.curvature / claimed - 1.0
-            limit = np.maximum(CURVATURE, 10.0 * np.sqrt(self._left(found)))
+            limit = max(CURVATURE, 10.0 * math.sqrt(self._residual_tolerance))
             ledger.bound(name, steps, where, off, limit, "relative")
 
     def _terminal_set(self, steps: NDArray[np.int64], plans: Plans, found: Certificates) -> None:

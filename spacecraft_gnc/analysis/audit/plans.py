@@ -62,8 +62,8 @@ class Certificates(NamedTuple):
     """Smallest pivot of the second derivative [(N m)^-2]."""
     multiplier: Array
     """Multiplier nu of the terminal set; 0 without one."""
-    largest_costate: Array
-    """Largest |lambda2| of the horizon."""
+    made_of: Array
+    """Scale of lambda2: the largest sum of the sizes of what adds up to it."""
     costates: Array
     """(m, 6) of the first step."""
 
@@ -153,7 +153,7 @@ class Certifier:
             np.sqrt(at[kernels.LARGEST]),
             at[kernels.CURVATURE],
             at[kernels.MULTIPLIER],
-            at[kernels.COSTATE],
+            np.maximum(at[kernels.MADE_OF], at[kernels.COSTATE]),
             costates,
         )
         return found, swept[0]

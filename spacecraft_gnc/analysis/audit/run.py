@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from spacecraft_gnc.analysis.audit.counts import Counts
 from spacecraft_gnc.analysis.audit.decisions import audit_decisions
 from spacecraft_gnc.analysis.audit.evidence import Evidence, Progress, read_evidence
 from spacecraft_gnc.analysis.audit.ledger import Check, Difference, Ledger
@@ -38,6 +39,8 @@ class Audit:
         The lines of the table.
     first
         The check, step and field that differ first; None where the bag holds what it says.
+    counts
+        Failures solved again, fallbacks justified, standstills looked for.
     remarks
         What of the bag is not read, one line each.
     """
@@ -46,6 +49,7 @@ class Audit:
     steps: int
     checks: tuple[Check, ...]
     first: tuple[Check, Difference] | None
+    counts: Counts
     remarks: tuple[str, ...] = ()
 
     @property
@@ -64,6 +68,7 @@ class Audit:
             "steps": self.steps,
             "passed": self.passed,
             "first": found,
+            "counts": self.counts.as_dict(),
             "remarks": list(self.remarks),
             "checks": [check.as_dict() for check in self.checks],
         }
@@ -99,7 +104,7 @@ def audit_bag(
         If there is no readable bag, no flight of one spacecraft in it, or no scenario.
     """
     watch = progress or (lambda _: None)
-    ledger = Ledger()
+    ledger, counts = Ledger(), Counts()
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         bag.verify(watch("checksums"))
         evidence = read_evidence(bag, namespace, watch("reading"), stopped=allow_unfinished)
@@ -109,13 +114,20 @@ def audit_bag(
         audit_motion(evidence, plant, ledger, tolerance, watch("integrating"))
         audit_references(evidence, ledger)
         audit_decisions(evidence, ledger, tolerance, watch("asking the governor"))
-        _audit_solves(evidence, ledger, watch("certifying"))
+        _audit_solves(evidence, ledger, counts, tolerance, watch("certifying"))
         audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
         remarks = tuple(bag.remarks())
-    return Audit(Path(path), evidence.n, tuple(ledger.checks.values()), ledger.first, remarks)
+    checks = tuple(ledger.checks.values())
+    return Audit(Path(path), evidence.n, checks, ledger.first, counts, remarks)
 
 
-def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None) -> None:
+def _audit_solves(
+    evidence: Evidence,
+    ledger: Ledger,
+    counts: Counts,
+    tolerance: float | None,
+    progress: Progress | None,
+) -> None:
     """Certify plans, and have the laws that make none give their commands once more."""
     scenario = evidence.scenario
     certifier, method = Certifier.from_scenario(scenario), scenario.controller.method
@@ -128,7 +140,8 @@ def _audit_solves(evidence: Evidence, ledger: Ledger, progress: Progress | None)
         ledger.require("method", f"{method}", solves.steps, "solver_status.method", same)
     ledger.skip("iterations and wall times", "they tell of the run, not of the plan")
     if certifier is not None:
-        solver = SolverAudit(evidence, certifier, ledger)
+        any_failure = tolerance is not None
+        solver = SolverAudit(evidence, certifier, ledger, counts, any_failure=any_failure)
         for block in evidence.solves(progress):
             solver.audit(block)
     else:

@@ -1,4 +1,4 @@
-"""Commands that are no first torque of a plan: a law's, the ladder's, one that leaves a standstill.
+"""Commands that are no first torque of a plan: those of a law, and of the failure ladder.
 
 They are worked out again by the code that flew them, from the recorded states, references and
 plans; what it remembers is the last plan, which is recorded, too.
@@ -16,7 +16,6 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit.evidence import Evidence
 from spacecraft_gnc.analysis.audit.ledger import Ledger
 from spacecraft_gnc.analysis.audit.plans import Certifier, Plans
-from spacecraft_gnc.loop.controllers import monitor_of
 from spacecraft_gnc.loop.ladder import FallbackLadder
 from spacecraft_gnc.loop.protocols import Reference, Source, State
 from spacecraft_gnc.ocp.solution import Solution, Status
@@ -30,9 +29,8 @@ if TYPE_CHECKING:
 NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
 SENSITIVE: Final = 1e-9
 """Share of the largest torque that those may differ which rest on a linearised plan."""
-RADIUS: Final = 1e-6
-"""Difference of a spectral radius: of eigenvalues that may be double."""
-_TORQUE, _SOURCE = "torque_command.torque", "torque_command.source"
+TORQUE_FIELD: Final = "torque_command.torque"
+_SOURCE: Final = "torque_command.source"
 LAW: Final = "command of the law"
 _LADDER = "command of the ladder"
 _LINEAR = "neighbouring extremal of an earlier plan"
@@ -76,7 +74,7 @@ def audit_law(
         command = controller.command(found.state, found.reference)
         torques[i], sources[i] = command.torque, command.source
         recorded[i], published[i] = found.torque, found.source
-    ledger.compare(LAW, steps, {_TORQUE: recorded}, {_TORQUE: torques})
+    ledger.compare(LAW, steps, {TORQUE_FIELD: recorded}, {TORQUE_FIELD: torques})
     current = evidence.scenario.traits.current_sources(published)
     ledger.compare(LAW, steps, {_SOURCE: current}, {_SOURCE: sources})
 
@@ -149,47 +147,10 @@ class LadderAudit:
         found, at = sample(self._evidence, step), np.array([step])
         command = self._ladder.command(found.state, found.reference, None)
         sources = {_SOURCE: np.array([float(found.source)])}, {_SOURCE: np.array([command.source])}
-        torques = {_TORQUE: found.torque[None]}, {_TORQUE: command.torque[None]}
+        torques = {TORQUE_FIELD: found.torque[None]}, {TORQUE_FIELD: command.torque[None]}
         linear = command.source == Source.NEIGHBORING_EXTREMAL
         scale = self._limit or max(float(np.abs(found.torque).max()), 1e-300)
         limit, unit = (SENSITIVE * scale, "N m") if linear else (None, "")
         name = _LINEAR if linear else _LADDER
         self._ledger.compare(name, at, *torques, limit, unit)
         self._ledger.compare("rung of the ladder", at, *sources)
-
-
-class StandstillAudit:
-    """Examines again the steps at which the loop was said to stand still."""
-
-    def __init__(self, evidence: Evidence, certifier: Certifier, ledger: Ledger) -> None:
-        self._evidence, self._certifier, self._ledger = evidence, certifier, ledger
-        self._monitor = monitor_of(evidence.scenario, certifier.ocp)
-
-    def audit(self, solved: NDArray[np.int64], plans: Plans, rows: dict[str, NDArray[Any]]) -> None:
-        """Audit the standstills of a block."""
-        said = np.isin(rows["status"], (Status.STALLED, Status.ESCAPING))
-        said |= np.isfinite(rows["closed_loop_radius"])
-        for i in np.flatnonzero(said).tolist():
-            self._examine(int(solved[i]), restored(self._certifier, plans, rows, i), rows, i)
-
-    def _examine(
-        self, step: int, solution: Solution, rows: dict[str, NDArray[Any]], i: int
-    ) -> None:
-        ledger, at = self._ledger, np.array([step])
-        name, found = "standstill", self._monitor.examine(solution)
-        if found is None:
-            ledger.fail(name, "found again", step, "solver_status.closed_loop_radius")
-            return
-        off = np.array([found.standstill.radius - rows["closed_loop_radius"][i]])
-        ledger.bound(name, at, "solver_status.closed_loop_radius", off, RADIUS)
-        same = np.array([found.standstill.active_constraint == rows["active_constraint"][i]])
-        ledger.require(
-            "constraint leaned on", "the same", at, "solver_status.active_constraint", same
-        )
-        if rows["status"][i] == Status.ESCAPING:
-            flown = sample(self._evidence, step).torque[None]
-            scale = self._certifier.ocp.max_torque or max(float(np.abs(flown).max()), 1e-300)
-            ledger.compare(
-                "command that leaves a standstill", at, {_TORQUE: flown},
-                {_TORQUE: found.torque[None]}, RADIUS * scale, "N m",
-            )  # fmt: skip

@@ -8,18 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.analysis.audit.certificate import CertificateAudit, Rows
+from spacecraft_gnc.analysis.audit.counts import Counts
 from spacecraft_gnc.analysis.audit.evidence import Evidence
+from spacecraft_gnc.analysis.audit.failures import FAILURES, SOLVED, FailureAudit
 from spacecraft_gnc.analysis.audit.ledger import Ledger
 from spacecraft_gnc.analysis.audit.plans import Certificates, Certifier, Plans
-from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, LadderAudit, StandstillAudit
+from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, LadderAudit
+from spacecraft_gnc.analysis.audit.standstills import STANDSTILLS, StandstillAudit
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.solution import Status
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.recording.steps import REFERENCE, STATE, TORQUE
 
-SOLVED: Final = (Status.CONVERGED, Status.STALLED, Status.ESCAPING)
-"""How a step ends whose solve converged."""
 _UNSOLVED: Final = [source for source in Source if source.is_fallback] + [
     Source.NEIGHBORING_EXTREMAL
 ]
@@ -35,18 +36,31 @@ class SolverAudit:
         The flight.
     certifier
         Problem of the method; None where it makes no plans that are known here.
-    ledger
-        Gets the verdicts.
+    ledger, counts
+        Get the verdicts.
+    any_failure
+        Whether a claimed failure may be one of another kind when it is solved again.
     """
 
-    def __init__(self, evidence: Evidence, certifier: Certifier, ledger: Ledger) -> None:
+    def __init__(
+        self,
+        evidence: Evidence,
+        certifier: Certifier,
+        ledger: Ledger,
+        counts: Counts,
+        *,
+        any_failure: bool = False,
+    ) -> None:
         self._evidence = evidence
         self._certifier = certifier
         self._ledger = ledger
         parameters = evidence.scenario.controller
         self._certificate = CertificateAudit(certifier, ledger, parameters)
         self._ladder = LadderAudit(evidence, certifier, ledger)
-        self._standstill = StandstillAudit(evidence, certifier, ledger)
+        self._standstill = StandstillAudit(evidence, certifier, ledger, counts)
+        self._failures = FailureAudit(
+            evidence, certifier, self._certificate, ledger, counts, any_failure
+        )
 
     def audit(self, block: Columns) -> None:
         """Audit a block of solver messages."""
@@ -58,11 +72,13 @@ class SolverAudit:
         whole = self._whole(steps, rows)
         steps, rows = steps[whole], {name: values[whole] for name, values in rows.items()}
         plans = self._plans(steps, rows)
-        self._ladder.audit(self._fallbacks(block, solved), steps, plans, rows)
+        self._ladder.audit(self._fallbacks(block, solved, TORQUE), steps, plans, rows)
+        self._failures.audit(block, self._fallbacks(block, solved), steps, plans, rows)
+        self._ledger.skip(FAILURES, "no failure is claimed")
         if not steps.size:
             answered = self._certifier.has_law and (block.fields["status"] == NO_SOLVE).all()
             why = "no step was solved: the law answered" if answered else "no solve converged"
-            for name in ("length of the plan", "plan starts at the state"):
+            for name in ("length of the plan", "plan starts at the state", STANDSTILLS):
                 self._ledger.skip(name, why)
             return
         self._standstill.audit(steps, plans, rows)
@@ -75,13 +91,18 @@ class SolverAudit:
             self._start_and_command(steps[chosen], own, own_plans)
             self._certificate.audit(str(formulation), steps[chosen], own, own_plans, own_found)
 
-    def _fallbacks(self, block: Columns, solved: NDArray[np.bool_]) -> NDArray[np.int64]:
-        """Return the steps that the ladder answered: not those that a law answers by itself."""
+    def _fallbacks(
+        self, block: Columns, solved: NDArray[np.bool_], *topics: str
+    ) -> NDArray[np.int64]:
+        """Return the steps that the ladder answered: not those that a law answers by itself.
+
+        Of those whose state, reference and ``topics`` were recorded.
+        """
         failed = ~solved & (block.steps < self._evidence.n)
         if self._certifier.has_law:
             failed &= block.fields["status"] != NO_SOLVE
         steps = block.steps[failed]
-        for topic in (STATE, REFERENCE, TORQUE):
+        for topic in (STATE, REFERENCE, *topics):
             steps = np.intersect1d(steps, self._evidence.columns[topic].steps)
         return steps
 

@@ -1,0 +1,212 @@
+"""Claimed failures, solved again by the recorded settings from the recorded states.
+
+A controller that calls its solves failed may fly its fallback law for ever: so each claim is put to
+the flown controller once more. Where it now finds a plan, the plan is certified by the audit's own
+kernels, and the claim is refuted; where it fails in the same way, it has failed again, no more.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.analysis.audit.plans import HARD, TERMINAL, Certifier, Plans
+from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, restored, sample
+from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.ocp.solution import Solution, Status
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.audit.certificate import CertificateAudit
+    from spacecraft_gnc.analysis.audit.counts import Counts
+    from spacecraft_gnc.analysis.audit.evidence import Evidence
+    from spacecraft_gnc.analysis.audit.ledger import Ledger
+    from spacecraft_gnc.loop.protocols import Reference, State
+    from spacecraft_gnc.recording.columns import Columns
+    from spacecraft_gnc.types import Array
+
+FAILURES: Final = "claimed failures, solved again"
+_STATUS: Final = "solver_status.status"
+_SAME: Final = "the same failure"
+
+
+class _Solving(Protocol):
+    """What is asked of the controllers that make plans."""
+
+    def reset(self) -> None: ...
+
+    def warm_up(self) -> None: ...
+
+    def solve(
+        self, state: State, reference: Reference, warm_start: Array | None
+    ) -> Solution | None: ...
+
+
+class _Before(NamedTuple):
+    """The last solve before a step."""
+
+    step: int
+    solved: bool
+    plan: Solution | None
+    """Restored from the bag; None where it failed, or where its plan is not whole."""
+
+
+class FailureAudit:
+    """Solves the claimed failures of a flight again, block by block.
+
+    Parameters
+    ----------
+    evidence
+        The flight.
+    certifier
+        Problem of its method.
+    certificate
+        Says what a converged solve may leave.
+    ledger, counts
+        Get the verdicts.
+    any_failure
+        Whether a failure of another kind will do, as between machines with other libraries.
+    """
+
+    def __init__(
+        self,
+        evidence: Evidence,
+        certifier: Certifier,
+        certificate: CertificateAudit,
+        ledger: Ledger,
+        counts: Counts,
+        any_failure: bool,
+    ) -> None:
+        self._evidence, self._certifier, self._certificate = evidence, certifier, certificate
+        self._ledger, self._counts = ledger, counts
+        # the chord goes on with a factorisation of earlier steps, which no bag holds
+        self._any = any_failure or evidence.scenario.controller.step_rule == "chord"
+        self._controller: _Solving | None = None
+        self._last: _Before | None = None
+        self._refuted: tuple[int, str] | None = None
+        self._cold_only = 0
+
+    def audit(
+        self,
+        block: Columns,
+        claimed: NDArray[np.int64],
+        solved: NDArray[np.int64],
+        plans: Plans,
+        rows: dict[str, NDArray[Any]],
+    ) -> None:
+        """Audit the steps ``claimed`` to have failed; plans and rows are those of ``solved``."""
+        statuses = block.fields["status"]
+        attempts = block.steps[self._is_attempt(statuses)]
+        converged = block.steps[np.isin(statuses, SOLVED)]
+
+        def before(step: int) -> _Before | None:
+            at = int(np.searchsorted(attempts, step)) - 1
+            if at < 0:
+                return self._last
+            last = int(attempts[at])
+            row = int(np.searchsorted(solved, last))
+            whole = row < len(solved) and solved[row] == last
+            plan = restored(self._certifier, plans, rows, row) if whole else None
+            return _Before(last, bool(np.isin(last, converged)), plan)
+
+        for step in claimed.tolist():
+            status = int(statuses[np.searchsorted(block.steps, step)])
+            self._again(step, status, before(step))
+        if attempts.size:
+            self._last = before(int(attempts[-1]) + 1)
+
+    def _is_attempt(self, statuses: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Tell of which messages a solve was due: not where a law answers by itself."""
+        if self._certifier.has_law:
+            return np.asarray(statuses != NO_SOLVE)
+        return np.ones(len(statuses), dtype=bool)
+
+    def _again(self, step: int, claimed: int, before: _Before | None) -> None:
+        found, counts = sample(self._evidence, step), self._counts
+        controller, warm = self._started(step, before)
+        again = controller.solve(found.state, found.reference, warm)
+        counts.solves_repeated += 1
+        status = NO_SOLVE if again is None else int(again.status)
+        failed = again is None or not again.converged
+        confirmed = status == claimed or (failed and self._any)
+        counts.failures_confirmed += confirmed
+        fallback = found.source == Source.NEIGHBORING_EXTREMAL or _is_fallback(found.source)
+        counts.fallbacks += fallback
+        counts.fallbacks_justified += fallback and confirmed
+        at = np.array([step])
+        self._ledger.require(FAILURES, _SAME, at, _STATUS, np.array([confirmed]))
+        if not confirmed and (self._refuted is None or step < self._refuted[0]):
+            self._refuted = step, self._told(claimed, again)
+        self._note()
+
+    def _started(self, step: int, before: _Before | None) -> tuple[_Solving, Array | None]:
+        """Return the controller, and the warm start that it had as far as the bag tells it.
+
+        After a solve that failed, and at the first step, there is none.
+        """
+        controller = self._built()
+        controller.reset()
+        if before is None or not before.solved:
+            return controller, None
+        adjacent = before.step == step - 1 or self._certifier.has_law
+        if not adjacent or before.plan is None:
+            self._cold_only += 1
+            return controller, None
+        if self._evidence.scenario.controller.method == TERMINAL:
+            # its solver also starts from the multiplier of the terminal set found last
+            last = sample(self._evidence, before.step)
+            controller.solve(last.state, last.reference, before.plan.costates)
+        return controller, before.plan.warm_start
+
+    def _built(self) -> _Solving:
+        if self._controller is None:
+            controller = self._evidence.scenario.build_controller()
+            self._controller = cast("_Solving", controller)
+            self._controller.warm_up()
+        return self._controller
+
+    def _told(self, claimed: int, again: Solution | None) -> str:
+        """Say what a solve came to whose failure was claimed."""
+        claim = f"{_name(claimed)} claimed"
+        if again is None:
+            return f"{claim}, but the solver refuses the state"
+        if not again.converged:
+            return f"{claim}, but the solve ends as {again.status.name}"
+        found = f"{claim}, but the solve converges after {again.iterations} iterations"
+        return f"{found}; {self._certified(again)}"
+
+    def _certified(self, again: Solution) -> str:
+        """Certify a plan by the audit's own kernels."""
+        plan = (again.reference, again.attitudes, again.momenta, again.torques, again.costates[0])
+        found = self._certifier.certify(Plans(*(np.ascontiguousarray(x[None]) for x in plan)))
+        share = float(found.residual[0] / max(float(found.made_of[0]), 1e-300))
+        kept = share <= self._certificate.share_left(again.formulation)
+        is_minimum = found.curvature[0] > 0.0 or again.formulation == HARD
+        if kept and is_minimum and found.exists[0]:
+            return f"certified: residual {share:.1g} of its terms, curvature > 0"
+        return f"not certified: residual {share:.1g} of its terms"
+
+    def _note(self) -> None:
+        counts, notes = self._counts, []
+        if self._refuted is not None:
+            notes.append(self._refuted[1])
+        refuted = counts.solves_repeated - counts.failures_confirmed
+        notes.append(f"{counts.failures_confirmed} failed again, {refuted} did not")
+        if self._cold_only:
+            notes.append(f"{self._cold_only} from a cold start only: the plan before is missing")
+        self._ledger.check(FAILURES, _SAME, "; ".join(notes))
+
+
+SOLVED: Final = (Status.CONVERGED, Status.STALLED, Status.ESCAPING)
+"""How a step ends whose solve converged."""
+
+
+def _is_fallback(source: int) -> bool:
+    return source in list(Source) and Source(source).is_fallback
+
+
+def _name(status: int) -> str:
+    if status == NO_SOLVE:
+        return "NO_SOLVE"
+    return Status(status).name if status in list(Status) else f"status {status}"
