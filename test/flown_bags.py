@@ -46,12 +46,15 @@ def fly(
     targets: Mapping[int, Any] | None = None,
     late: Collection[int] = (),
     anew: Collection[int] = (),
+    failure: Status = Status.MAX_ITERATIONS,
+    blind: bool = False,
 ) -> Path:
     """Fly a scenario and record it as the nodes would; return the bag.
 
-    Solves of the steps ``failing`` are said not to have converged; from the steps of ``targets`` on
-    another attitude is asked for. At the steps ``late`` of a free run no command comes in time, and
-    before the steps ``anew`` the governor is started anew.
+    Solves of the steps ``failing`` are said to have ended in a ``failure``, which they did not, and
+    the ladder flies; a ``blind`` controller looks for no standstill. From the steps of ``targets``
+    on another attitude is asked for. At the steps ``late`` of a free run no command comes in time,
+    and before the steps ``anew`` the governor is started anew.
     """
     scenario = from_sections(flown)
     with BagWriter(folder / "bag") as bag:
@@ -64,7 +67,9 @@ def fly(
         for core in (loop.plant, loop.controller, loop.governor):
             core.reset()
         if failing:
-            loop.controller.solver = _Failing(loop.controller.solver, failing)
+            loop.controller.solver = _Failing(loop.controller.solver, failing, failure)
+        if blind:
+            loop.controller._monitor = None
         state, applied, source = loop.plant.state, np.zeros(3), Source.ZERO
         last, misses = (applied, source), 0
         for k in range(loop.plant.n_steps + 1):
@@ -92,16 +97,16 @@ def fly(
 
 
 class _Failing:
-    """A solver that gives up at some steps."""
+    """A solver that is said to fail at some steps."""
 
-    def __init__(self, solver: Any, failing: Collection[int]) -> None:
-        self._solver, self._failing = solver, failing
+    def __init__(self, solver: Any, failing: Collection[int], failure: Status) -> None:
+        self._solver, self._failing, self._failure = solver, failing, failure
         self.step = 0
 
     def solve(self, *problem: Any) -> Any:
         found = self._solver.solve(*problem)
         failed = self.step in self._failing
-        return found._replace(status=Status.MAX_ITERATIONS) if failed else found
+        return found._replace(status=self._failure) if failed else found
 
 
 class _Recorder:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,19 +12,34 @@ from spacecraft_gnc.analysis.audit.counts import Counts
 from spacecraft_gnc.analysis.audit.evidence import Evidence
 from spacecraft_gnc.analysis.audit.failures import FAILURES, SOLVED, FailureAudit
 from spacecraft_gnc.analysis.audit.ledger import Ledger
-from spacecraft_gnc.analysis.audit.plans import Certificates, Certifier, Plans
+from spacecraft_gnc.analysis.audit.plans import HARD, TERMINAL, Certificates, Certifier, Plans
 from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, LadderAudit
 from spacecraft_gnc.analysis.audit.standstills import STANDSTILLS, StandstillAudit
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
+from spacecraft_gnc.ocp.shooting import AUTOMATIC
 from spacecraft_gnc.ocp.solution import Status
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.recording.steps import REFERENCE, STATE, TORQUE
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
 
 _UNSOLVED: Final = [source for source in Source if source.is_fallback] + [
     Source.NEIGHBORING_EXTREMAL
 ]
 """Where the torque of a step comes from whose solve did not."""
+
+
+def formulations_of(scenario: Scenario, certifier: Certifier) -> tuple[str, ...]:
+    """Return how the method of a scenario solves its conditions, as its plans say."""
+    method, formulation = scenario.controller.method, scenario.controller.formulation
+    if method in (HARD, "fsolve"):
+        return (method,)
+    if method == TERMINAL or formulation == "auto":
+        formulation = AUTOMATIC
+    corrects = method == "neighboring_extremal" and not certifier.has_law
+    return (formulation, NEIGHBORING) if corrects else (formulation,)
 
 
 class SolverAudit:
@@ -82,6 +97,7 @@ class SolverAudit:
                 self._ledger.skip(name, why)
             return
         self._standstill.audit(steps, plans, rows)
+        self._formulations(steps, rows["formulation"])
         found = self._certifier.certify(plans)
         for formulation in dict.fromkeys(rows["formulation"]):
             chosen = rows["formulation"] == formulation
@@ -118,6 +134,13 @@ class SolverAudit:
         self._ledger.require(
             "source follows from the status", "always", steps, "torque_command.source", kept
         )
+
+    def _formulations(self, steps: NDArray[np.int64], claimed: NDArray[Any]) -> None:
+        """Require a formulation of the method: it says what is asked of a plan."""
+        known = formulations_of(self._evidence.scenario, self._certifier)
+        kept = np.isin(claimed.astype(str), known)
+        name, where = "formulation of the method", "solver_status.formulation"
+        self._ledger.require(name, " or ".join(known), steps, where, kept)
 
     def _whole(self, steps: NDArray[np.int64], rows: Rows) -> NDArray[np.bool_]:
         """Return whose plan has the length of the horizon and whose step has all its messages."""

@@ -91,7 +91,7 @@ class StandstillAudit:
         if not said:
             return (
                 f"a standstill is not reported: {expected.name}, closed-loop radius "
-                f"{found.standstill.radius:.6g}"
+                f"{found.standstill.radius:.9g}"
             )
         self._details(step, found, rows, i)
         return "" if status == expected else f"{expected.name} is found, another status reported"
