@@ -13,7 +13,9 @@ from mcap.reader import make_reader
 from recording.bags import CODEC, announce
 
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.ocp import Status
+from spacecraft_gnc.ocp import Status, linearize
+from spacecraft_gnc.ocp.assembly import assemble
+from spacecraft_gnc.ocp.rollout import Horizon
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
@@ -48,26 +50,32 @@ def fly(
     anew: Collection[int] = (),
     failure: Status = Status.MAX_ITERATIONS,
     blind: bool = False,
+    claimed: Mapping[str, Mapping[str, Any]] | None = None,
+    idle: bool = False,
 ) -> Path:
     """Fly a scenario and record it as the nodes would; return the bag.
 
     Solves of the steps ``failing`` are said to have ended in a ``failure``, which they did not, and
-    the ladder flies; a ``blind`` controller looks for no standstill. From the steps of ``targets``
-    on another attitude is asked for. At the steps ``late`` of a free run no command comes in time,
-    and before the steps ``anew`` the governor is started anew.
+    the ladder flies; a ``blind`` controller looks for no standstill, an ``idle`` one calls plans
+    without any torque converged; a scenario ``claimed`` is recorded in place of the flown one.
+
+    From the steps of ``targets`` on another attitude is asked for. At the steps ``late`` of a free
+    run no command comes in time, and before the steps ``anew`` the governor is started anew.
     """
     scenario = from_sections(flown)
     with BagWriter(folder / "bag") as bag:
         announce(bag)
         name = "spacecraft_gnc_msgs/msg/WallTiming"
         bag.add_topic("/wall_timing", name, CODEC.texts[name])
-        bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(flown).encode())
+        bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(claimed or flown).encode())
         recorder = _Recorder(bag, scenario.period)
         loop = scenario.build()
         for core in (loop.plant, loop.controller, loop.governor):
             core.reset()
         if failing:
             loop.controller.solver = _Failing(loop.controller.solver, failing, failure)
+        if idle:
+            loop.controller.solver = _Idle(loop.controller.solver)
         if blind:
             loop.controller._monitor = None
         state, applied, source = loop.plant.state, np.zeros(3), Source.ZERO
@@ -107,6 +115,23 @@ class _Failing:
         found = self._solver.solve(*problem)
         failed = self.step in self._failing
         return found._replace(status=self._failure) if failed else found
+
+
+class _Idle:
+    """A solver whose plans do nothing, each with the certificate that such a plan has."""
+
+    def __init__(self, solver: Any) -> None:
+        self.ocp = solver.ocp
+
+    def solve(self, attitude: Any, momentum: Any, reference: Any, warm_start: Any = None) -> Any:
+        ocp, still = self.ocp, np.zeros((self.ocp.horizon, 3))
+        horizon = Horizon(ocp, still, attitude, momentum, reference)
+        residual = np.linalg.norm(horizon.gradient()) / (2.0 * ocp.time_step)
+        plan = (horizon.attitudes, horizon.momenta, still, horizon.costates)
+        cost = ocp.cost(still, attitude, momentum, reference)
+        outcome = (Status.CONVERGED, 0, float(residual), cost)
+        solution = assemble(ocp, plan, np.asarray(reference), outcome, 0.0, "backward_sweep")
+        return solution._replace(min_curvature=linearize(solution).min_curvature)
 
 
 class _Recorder:

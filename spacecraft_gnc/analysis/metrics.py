@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
+from spacecraft_gnc.analysis.limits import as_dicts, limits_exceeded
 from spacecraft_gnc.analysis.neighboring import neighboring_metrics
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.types import Array
@@ -49,7 +50,8 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         in the unit of each one's nearest constraint),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
         stage costs; None of a method that reads no weights),
-        ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``iterations_median``,
+        ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``limits_exceeded`` (by more than
+        0.1 %, see `analysis.limits`; empty without a scenario), ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
         ``escaping_steps`` (at rest away from the target, and leaving there; None of a method that
         makes no solves),
@@ -70,6 +72,7 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         **_governor_metrics(trajectory),
         **_torque_metrics(trajectory, scenario),
         **_zone_metrics(trajectory, controller),
+        **_limit_metrics(trajectory, scenario),
         **_solver_metrics(trajectory, scenario),
         **neighboring_metrics(trajectory, scenario),
     }
@@ -95,6 +98,13 @@ def settle_time(times: Array, error: Array, threshold: float) -> float | None:
     above = np.flatnonzero(error >= threshold)
     first = int(above[-1]) + 1 if above.size else 0
     return float(times[first]) if first < times.size else None
+
+
+def _limit_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+    if scenario is None:
+        return {"limits_exceeded": []}
+    states = series.attitudes(trajectory), series.momenta(trajectory)
+    return {"limits_exceeded": as_dicts(limits_exceeded(scenario, *states, trajectory.torque))}
 
 
 def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:

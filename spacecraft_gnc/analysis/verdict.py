@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.recording.reader import is_npz
+from spacecraft_gnc.scenario.fingerprint import fingerprint
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -55,7 +56,10 @@ def audit_verdict(
 def _sentence(audit: Audit) -> str:
     if audit.first is None:
         made = sum(check.steps > 0 for check in audit.checks)
-        return f"{audit.steps} control steps: all {made} checks that apply passed"
+        return (
+            f"{audit.steps} control steps: all {made} checks that apply passed; "
+            f"{audit.counts.text}; by the scenario in the bag, sha256 {fingerprint(audit.scenario)}"
+        )
     check, difference = audit.first
     failed = sum(check.first is not None for check in audit.checks)
     return (

@@ -52,6 +52,13 @@ JsonOption = Annotated[
 UnfinishedOption = Annotated[
     bool, typer.Option("--unfinished", help="Read what was saved of a bag that was cut off.")
 ]
+StrictOption = Annotated[
+    bool,
+    typer.Option(
+        "--strict",
+        help="End with 1 where a torque, momentum or zone limit was exceeded by more than 0.1 %.",
+    ),
+]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print errors only.")]
 
 
@@ -59,6 +66,26 @@ class RunFailed(GncError):
     """A run that was accepted did not end well."""
 
     exit_code: ClassVar[int] = 1
+
+
+def require_within_limits(
+    source: object, exceeded: Iterable[Mapping[str, Any]], strict: bool
+) -> None:
+    """Refuse, where that is asked for, a flight that exceeded a limit (`analysis.limits`).
+
+    Raises
+    ------
+    RunFailed
+        With every limit that was exceeded.
+    """
+    found = list(exceeded)
+    if strict and found:
+        raise RunFailed(f"{source}: {exceeded_text(found)}; --strict requires every limit kept")
+
+
+def exceeded_text(exceeded: Iterable[Mapping[str, Any]]) -> str:
+    """Return limits that were exceeded, and by what factor, in one line."""
+    return f"limits exceeded: {'; '.join(each['text'] for each in exceeded)}"
 
 
 def given_scenario(path: Path | None) -> Scenario | None:

@@ -16,11 +16,14 @@ from spacecraft_gnc.cli._common import (
     ScenarioArgument,
     SetOption,
     SpacecraftOption,
+    StrictOption,
     print_error,
     print_json,
     print_table,
+    require_within_limits,
     tell_warnings,
 )
+from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.extras import require_ros
 from spacecraft_gnc.launcher.deadlines import misses_most
 from spacecraft_gnc.launcher.launcher import Launcher
@@ -60,6 +63,7 @@ def launch(
     overrides: SetOption = None,
     namespace: SpacecraftOption = None,
     no_record: NoRecordOption = False,
+    strict: StrictOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
@@ -74,6 +78,8 @@ def launch(
         *(["launcher.composed=true"] if composed else []),
     ]
     plan = make_plan(scenario, changes, namespace=namespace, out=out, record=not no_record)
+    if strict:
+        _require_recorded(plan)
     if not (quiet or as_json):
         tell_warnings(plan.scenario)
     launcher = Launcher(plan, choose(quiet=quiet, warnings_only=as_json), born)
@@ -93,30 +99,43 @@ def launch(
             print(f"  the bag was cut off: gnc recover {plan.bag}", file=sys.stderr)
         raise typer.Exit(error.exit_code) from error
     is_complete = _shout_losses(outcome.bags)
-    _report(plan, outcome, as_json=as_json, quiet=quiet)
+    metrics = _metrics(plan, outcome) if strict or as_json or not quiet else {}
+    _report(plan, outcome, metrics, as_json=as_json, quiet=quiet)
+    require_within_limits(plan.scenario.path, metrics.get("limits_exceeded", ()), strict)
     if not is_complete:
         raise typer.Exit(1)
 
 
-def _report(plan: LaunchPlan, outcome: Outcome, *, as_json: bool, quiet: bool) -> None:
+def _require_recorded(plan: LaunchPlan) -> None:
+    """Refuse to judge a flight of which nothing is recorded."""
+    if not plan.records:
+        plan.discard()
+        raise ParameterError(
+            "--strict: received a flight without a recorder; required one, whose bag tells which "
+            "limits were kept; leave out --no-record, or --strict"
+        )
+
+
+def _report(
+    plan: LaunchPlan, outcome: Outcome, metrics: dict[str, Any], *, as_json: bool, quiet: bool
+) -> None:
     if not quiet:
         for topic in _never_published(plan, outcome):
             text = f"{topic}: nobody published on it: nothing of it is in the bag"
             print(f"warning: recorder.topics: {text}", file=sys.stderr)
     if quiet and not as_json:
         return
-    metrics = _metrics(plan, outcome)
     if as_json:
         print_json(metrics)
         return
-    from spacecraft_gnc.cli.simulate import summary_rows
+    from spacecraft_gnc.cli.simulate import hash_row, summary_rows
 
     speed = outcome.simulated_time / outcome.wall_time if outcome.wall_time else 0.0
     print(
         f"{plan.scenario.path}: flown in {outcome.wall_time:.3g} s, {speed:.3g} times real time, "
         f"{outcome.steps / outcome.wall_time:.0f} steps/s"
     )
-    rows = summary_rows(metrics) if outcome.bags else []
+    rows = summary_rows(metrics) if outcome.bags else [hash_row(metrics)]
     if plan.scenario.plant.mode == "free_run":
         rows += [("state to torque", _latency(metrics))] if outcome.bags else []
         rows.append(("deadlines missed", _missed(outcome)))
@@ -148,7 +167,12 @@ def _never_published(plan: LaunchPlan, outcome: Outcome) -> list[str]:
 
 def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
     """Return the summary of the run; from the bag, if there is one."""
-    summary: dict[str, Any] = {"scenario": str(plan.scenario.path)}
+    from spacecraft_gnc.scenario.fingerprint import fingerprint
+
+    scenario = plan.scenario
+    summary: dict[str, Any] = {
+        "scenario": str(scenario.path), "scenario_hash": fingerprint(scenario)
+    }  # fmt: skip
     if outcome.bags:
         from numpy import quantile
 
@@ -156,7 +180,10 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         from spacecraft_gnc.recording.reader import read_flight
         from spacecraft_gnc.recording.timing import read_latencies
 
-        summary |= summarize(read_flight(outcome.bags[0]).trajectory, plan.scenario)
+        first, *others = (summarize(read_flight(bag).trajectory, scenario) for bag in outcome.bags)
+        summary |= first
+        for part in others:  # the recorder was restarted
+            summary["limits_exceeded"] += part["limits_exceeded"]
         latencies = read_latencies(outcome.bags[0])
         for name, share in _SHARES.items():
             known = latencies.size > 0

@@ -16,8 +16,11 @@ from spacecraft_gnc.cli._common import (
     ScenarioArgument,
     SetOption,
     SpacecraftOption,
+    StrictOption,
+    exceeded_text,
     print_json,
     print_table,
+    require_within_limits,
     require_writable,
     tell_warnings,
 )
@@ -47,12 +50,14 @@ def simulate(
     out: OutOption = None,
     overrides: SetOption = None,
     namespace: SpacecraftOption = None,
+    strict: StrictOption = False,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Fly a scenario without ROS: the same cores, the same numbers as `gnc launch`."""
     from spacecraft_gnc.analysis.metrics import summarize
     from spacecraft_gnc.scenario import load
+    from spacecraft_gnc.scenario.fingerprint import fingerprint
 
     checked = load(scenario, overrides or (), namespace)
     if out is not None:
@@ -68,16 +73,24 @@ def simulate(
     wall_time = time.perf_counter() - started
     if out is not None:
         trajectory.save(out, checked.to_yaml())
-    if quiet and not as_json:
-        return
-    metrics = {"scenario": str(scenario), **summarize(trajectory, checked), "wall_time": wall_time}
+    summary = summarize(trajectory, checked)
+    if as_json or not quiet:
+        named = {"scenario": str(scenario), "scenario_hash": fingerprint(checked)}
+        metrics = {**named, **summary, "wall_time": wall_time}
+        _tell(metrics, checked.warnings, out, as_json=as_json)
+    require_within_limits(scenario, summary["limits_exceeded"], strict)
+
+
+def _tell(
+    metrics: dict[str, Any], warnings: tuple[str, ...], out: Path | None, *, as_json: bool
+) -> None:
     if as_json:
-        print_json({**metrics, "warnings": list(checked.warnings), "out": out})
-    else:
-        print(f"{scenario}: flown in {wall_time:.3g} s")
-        print_table(summary_rows(metrics))
-        if out is not None:
-            print(f"  written to {out}")
+        print_json({**metrics, "warnings": list(warnings), "out": out})
+        return
+    print(f"{metrics['scenario']}: flown in {metrics['wall_time']:.3g} s")
+    print_table(summary_rows(metrics))
+    if out is not None:
+        print(f"  written to {out}")
 
 
 def require_memory(n_steps: int) -> None:
@@ -133,14 +146,22 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     if m["escaping_steps"]:
         text = f"{m['escaping_steps']}, by a small torque added to the optimal one"
         rows.append(("standstill escapes", text))
+    if m["limits_exceeded"]:
+        rows.append(("warning", exceeded_text(m["limits_exceeded"])))
     if m["inadmissible_steps"]:
         text = f"no reference was admissible at {m['inadmissible_steps']} of {m['steps']} steps"
         rows.append(("warning", text))
     if m["fallback_steps"]:
         text = f"{m['fallback_steps']} of {m['steps']} steps flew on a fallback torque"
         rows.append(("warning", text))
+    rows.append(hash_row(m))
     # A row without a value starts with the dash alone; a negative number is a value.
     return [row for row in rows if row[1].split(" ")[0] != _NOTHING]
+
+
+def hash_row(m: dict[str, Any]) -> tuple[str, str]:
+    """Return the line that tells which scenario it was, as a bag's audit tells it too."""
+    return "scenario", f"sha256 {m['scenario_hash']}"
 
 
 def _governor_rows(m: dict[str, Any]) -> list[tuple[str, str]]:

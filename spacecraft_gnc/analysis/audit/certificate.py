@@ -34,7 +34,7 @@ CONDITIONS: Final = {
 
 Single shooting and fsolve publish that of (44), forward; it is compared with the gradient's."""
 CUT: Final = 1e-6
-"""Share of the torque limit by which a neighbouring extremal's first torque may be cut to it."""
+"""Share of the torque limit that a neighboring extremal's torque may be off, beside its cut."""
 CUT_COST: Final = 1e-8
 """Share of the cost that this cut may change."""
 LEFT: Final = 100.0
@@ -84,9 +84,6 @@ class CertificateAudit:
         self._dynamics(formulation, steps, plans, found)
         self._conditions(formulation, steps, rows, found)
         self._numbers(formulation, steps, rows, plans, found)
-        if formulation == NEIGHBORING:
-            why = "no field holds the predicted error of a neighbouring extremal"
-            self._ledger.skip("error below ne_tolerance", why)
 
     def _dynamics(
         self, formulation: str, steps: NDArray[np.int64], plans: Plans, found: Certificates
@@ -100,7 +97,7 @@ class CertificateAudit:
         first = found.first_defect
         where, cut = "solver_status.predicted_momenta", np.zeros(len(steps))
         if formulation == NEIGHBORING:  # its first torque is cut to the limit after the rollout
-            cut = np.full(len(steps), CUT * ocp.max_torque * ocp.time_step)
+            cut = self._cut(found) * ocp.time_step
         bound(
             f"plan obeys the dynamics: momenta{_said(formulation)}", steps, where,
             np.maximum(found.momentum_defect, np.maximum(first - cut, 0.0)), ROUNDING * scale,
@@ -139,9 +136,10 @@ class CertificateAudit:
         if formulation == HARD:
             ledger.skip(name, "slsqp keeps the limit as a constraint of its own")
             return
-        share = CUT if formulation == NEIGHBORING else 10.0 * ROUNDING
         penalty = 2.0 * self._certifier.data[MU0] * ocp.max_torque**2
-        limit = share * ocp.max_torque + self._left(found) / penalty
+        limit = 10.0 * ROUNDING * ocp.max_torque + self._left(found) / penalty
+        if formulation == NEIGHBORING:
+            limit += self._cut(found)
         where = "solver_status.predicted_torques"
         ledger.bound(name, steps, where, found.radius_defect, limit, "N m")
 
@@ -158,6 +156,18 @@ class CertificateAudit:
         """Return the largest residual of a converged solve, as a share of what it is made of."""
         return SETTLED.get(formulation, LEFT * self._residual_tolerance)
 
+    def _cut(self, found: Certificates) -> Array:
+        """Return (m,) how much a neighboring extremal's first torque may be cut to the limit.
+
+        It is what the penalty lets through: sigma / (4 mu0 |u|), with sigma below |lambda2| / |u|.
+        """
+        ocp = self._certifier.ocp
+        if ocp.max_torque == 0.0:
+            return np.zeros(len(found.made_of))
+        pushed = float(np.linalg.norm(ocp.torque_map, 2)) * found.made_of
+        excess = pushed / (4.0 * self._certifier.data[MU0] * ocp.max_torque**2)
+        return np.asarray(CUT * ocp.max_torque + excess)
+
     def _left(self, found: Certificates) -> Array:
         """Return (m,) residuals at which a Newton solve stops at the latest."""
         return np.asarray(LEFT * self._residual_tolerance * found.made_of)
@@ -172,6 +182,8 @@ class CertificateAudit:
         scale = max(float(np.abs(found.cost).max()), 1e-300)
         limit = (CUT_COST if formulation == NEIGHBORING else 10.0 * ROUNDING) * scale
         limits = limit + self._left_of_cost(found)
+        if formulation == NEIGHBORING:
+            limits += 2.0 * self._certifier.ocp.time_step * found.made_of * self._cut(found)
         bound(f"cost{_said(formulation)}", steps, "solver_status.cost", off, limits)
         claimed = rows["first_costate"]
         size = max(float(np.abs(claimed).max()), 1e-300)
@@ -201,8 +213,10 @@ class CertificateAudit:
         name, where = f"torque margin{_said(formulation)}", "solver_status.torque_margin"
         if ocp.max_torque > 0.0:
             off = ocp.max_torque - found.largest - rows["torque_margin"]
-            share = CUT if formulation == NEIGHBORING else 10.0 * ROUNDING
-            ledger.bound(name, steps, where, off, share * ocp.max_torque, "N m")
+            limits = np.full(len(steps), 10.0 * ROUNDING * ocp.max_torque)
+            if formulation == NEIGHBORING:
+                limits += self._cut(found)
+            ledger.bound(name, steps, where, off, limits, "N m")
         else:
             kept = np.isposinf(rows["torque_margin"])
             ledger.require(name, "infinite: no limit", steps, where, kept)

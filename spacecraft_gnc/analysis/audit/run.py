@@ -13,21 +13,23 @@ from spacecraft_gnc.analysis.audit.counts import Counts
 from spacecraft_gnc.analysis.audit.decisions import audit_decisions
 from spacecraft_gnc.analysis.audit.evidence import Evidence, Progress, read_evidence
 from spacecraft_gnc.analysis.audit.ledger import Check, Difference, Ledger
-from spacecraft_gnc.analysis.audit.motion import audit_motion
+from spacecraft_gnc.analysis.audit.motion import applied_torques, audit_motion
 from spacecraft_gnc.analysis.audit.order import audit_order
 from spacecraft_gnc.analysis.audit.plans import Certifier
 from spacecraft_gnc.analysis.audit.references import audit_references
 from spacecraft_gnc.analysis.audit.rungs import LAW, NO_SOLVE, audit_law
 from spacecraft_gnc.analysis.audit.solver import SolverAudit
 from spacecraft_gnc.analysis.audit.torques import audit_torques, held_steps
+from spacecraft_gnc.analysis.limits import Exceedance, as_dicts, limits_exceeded
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
-from spacecraft_gnc.scenario import registry
+from spacecraft_gnc.scenario import Scenario, registry
+from spacecraft_gnc.scenario.fingerprint import fingerprint
 
 
 @dataclass(frozen=True, slots=True)
 class Audit:
-    """What an audit found.
+    """What an audit found, and what it rests on.
 
     Attributes
     ----------
@@ -41,6 +43,10 @@ class Audit:
         The check, step and field that differ first; None where the bag holds what it says.
     counts
         Failures solved again, fallbacks justified, standstills looked for.
+    scenario
+        What flew, as the bag says: everything else rests on it.
+    exceeded
+        Limits that the flight exceeded by more than 0.1 %; no fault of the recording.
     remarks
         What of the bag is not read, one line each.
     """
@@ -50,6 +56,8 @@ class Audit:
     checks: tuple[Check, ...]
     first: tuple[Check, Difference] | None
     counts: Counts
+    scenario: Scenario
+    exceeded: tuple[Exceedance, ...] = ()
     remarks: tuple[str, ...] = ()
 
     @property
@@ -68,7 +76,9 @@ class Audit:
             "steps": self.steps,
             "passed": self.passed,
             "first": found,
+            "scenario_hash": fingerprint(self.scenario),
             "counts": self.counts.as_dict(),
+            "limits_exceeded": as_dicts(self.exceeded),
             "remarks": list(self.remarks),
             "checks": [check.as_dict() for check in self.checks],
         }
@@ -117,8 +127,25 @@ def audit_bag(
         _audit_solves(evidence, ledger, counts, tolerance, watch("certifying"))
         audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
         remarks = tuple(bag.remarks())
-    checks = tuple(ledger.checks.values())
-    return Audit(Path(path), evidence.n, checks, ledger.first, counts, remarks)
+        exceeded = _exceeded(evidence)
+    return Audit(
+        path=Path(path),
+        steps=evidence.n,
+        checks=tuple(ledger.checks.values()),
+        first=ledger.first,
+        counts=counts,
+        scenario=evidence.scenario,
+        exceeded=exceeded,
+        remarks=remarks,
+    )
+
+
+def _exceeded(evidence: Evidence) -> tuple[Exceedance, ...]:
+    """Return the limits exceeded by the recorded states and by the torques that acted."""
+    steps = np.arange(evidence.n + 1)
+    attitudes = evidence.rows(STATE, "attitude", steps).reshape(-1, 3, 3)
+    momenta = evidence.rows(STATE, "angular_momentum", steps)
+    return limits_exceeded(evidence.scenario, attitudes, momenta, applied_torques(evidence))
 
 
 def _audit_solves(

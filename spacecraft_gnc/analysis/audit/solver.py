@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.analysis.audit.certificate import CertificateAudit, Rows
+from spacecraft_gnc.analysis.audit.corrections import CorrectionAudit
 from spacecraft_gnc.analysis.audit.counts import Counts
 from spacecraft_gnc.analysis.audit.evidence import Evidence
 from spacecraft_gnc.analysis.audit.failures import FAILURES, SOLVED, FailureAudit
@@ -73,6 +74,7 @@ class SolverAudit:
         self._certificate = CertificateAudit(certifier, ledger, parameters)
         self._ladder = LadderAudit(evidence, certifier, ledger)
         self._standstill = StandstillAudit(evidence, certifier, ledger, counts)
+        self._corrections = CorrectionAudit(evidence, certifier, ledger)
         self._failures = FailureAudit(
             evidence, certifier, self._certificate, ledger, counts, any_failure
         )
@@ -98,6 +100,7 @@ class SolverAudit:
             return
         self._standstill.audit(steps, plans, rows)
         self._formulations(steps, rows["formulation"])
+        self._corrections.audit(steps, plans, rows)
         found = self._certifier.certify(plans)
         for formulation in dict.fromkeys(rows["formulation"]):
             chosen = rows["formulation"] == formulation
