@@ -14,6 +14,7 @@ from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.limits import as_dicts, limits_exceeded
 from spacecraft_gnc.analysis.neighboring import neighboring_metrics
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.scenario.fingerprint import fingerprint
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
     Returns
     -------
     dict
+        ``scenario_hash`` (see `scenario.fingerprint`; None without a scenario),
         ``steps``, ``missing_steps`` (lost by the recording), ``period`` and ``duration`` [s],
         ``final_error_deg``, ``final_momentum`` [N m s], ``settle_time_5deg``, ``_1deg``,
         ``_0.1deg`` (time after which the error stays below for good [s]; None: never): angles to
@@ -64,6 +66,7 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
     n = len(trajectory.time)
     rows = np.hstack([trajectory.attitude.reshape(n, 9), trajectory.momentum, trajectory.torque])
     return {
+        "scenario_hash": None if scenario is None else fingerprint(scenario),
         "steps": n,
         "missing_steps": int(np.count_nonzero(np.isnan(rows).any(axis=1))),
         "period": float(trajectory.period),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from flown_bags import fly, messages_of, rewrite, sections
 from recording.bags import CODEC
 
 from spacecraft_gnc.cli.launch import _never_published
@@ -16,6 +19,9 @@ from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.scenario import load
+from spacecraft_gnc.scenario.fingerprint import fingerprint
+from spacecraft_gnc.scenario.scenario import sections_to_yaml
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 STRING = "std_msgs/msg/String"
@@ -53,6 +59,48 @@ def test_a_loss_is_a_failure(monkeypatch: Any, capsys: Any, tmp_path: Path, lost
     bag = tmp_path / "run" / "bag"
     shout = f"error: {bag}: MESSAGES LOST, the bag is not complete: /words 7\n"
     assert (code, out, err) == ((1, "", shout) if lost else (0, "", ""))
+
+
+def test_limits_cannot_be_judged_without_a_recording(capsys: Any, tmp_path: Path) -> None:
+    out_folder = tmp_path / "run"
+    with pytest.raises(SystemExit) as end:
+        main(["launch", str(CASE1), "--no-record", "--strict", "--out", str(out_folder)])
+    out, err = capsys.readouterr()
+    assert (end.value.code, out) == (2, "")
+    assert err.startswith("error: --strict: received a flight without a recorder; required one, ")
+    assert not out_folder.exists()
+
+
+@pytest.mark.parametrize("penalty", [1.0, 1e10])
+def test_a_limit_that_is_exceeded_fails_if_asked(
+    monkeypatch: Any, capsys: Any, tmp_path: Path, penalty: float
+) -> None:
+    """The flight is that of the cores; what is made of its bag is the command's."""
+    flown = sections(nmpc_controller={"torque_penalty": penalty}, launcher={"cut_short": True})
+    file = tmp_path / "soft.yaml"
+    file.write_text(sections_to_yaml(flown), encoding="utf-8")
+
+    def recorded(launcher: Launcher) -> Outcome:
+        bag = fly(tmp_path, flown)
+        kept = [item for item in messages_of(bag) if item[0] != "/wall_timing"]
+        whole = rewrite(bag, tmp_path / "whole", kept)
+        return replace(record(launcher.plan, 0), bags=(str(whole),))
+
+    monkeypatch.setattr(Launcher, "run", recorded)
+    code = 0
+    try:
+        main(["launch", str(file), "--out", str(tmp_path / "run"), "--strict", "--json"])
+    except SystemExit as end:
+        code = int(end.code or 0)
+    out, err = capsys.readouterr()
+    metrics = json.loads(out)
+    assert metrics["scenario_hash"] == fingerprint(load(file))
+    if penalty == 1.0:
+        (exceeded,) = metrics["limits_exceeded"]
+        assert code == 1
+        assert f"limits exceeded: {exceeded['text']}; --strict requires" in err
+    else:
+        assert (code, err, metrics["limits_exceeded"]) == (0, "", [])
 
 
 def test_a_loss_is_told_after_ctrl_c_too(monkeypatch: Any, capsys: Any, tmp_path: Path) -> None:

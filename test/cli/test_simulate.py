@@ -18,6 +18,7 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
 from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.scenario import load
+from spacecraft_gnc.scenario.fingerprint import fingerprint
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 CASE_1 = str(CONFIG / "gupta2015_case1.yaml")
@@ -154,6 +155,35 @@ def test_the_summary_tells_where_a_governor_stopped_and_what_it_could_not_keep()
     assert dict(rows)["target admitted"].startswith("never, reference 5")
     assert ("warning", "no reference was admissible at 3 of 20 steps") in rows
     assert "warning" not in dict(module.summary_rows(metrics))
+
+
+SOFT = ("--set", "nmpc_controller.torque_penalty=1.0")  # next to nothing for the excess
+
+
+def test_a_limit_that_is_exceeded_is_told_and_fails_if_asked(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    code, out, err = run(capsys, "simulate", CASE_1, *SHORT, *SOFT)
+    assert (code, err) == (0, "")
+    (warning,) = [line for line in out.splitlines() if line.startswith("  warning ")]
+    assert "limits exceeded: torque " in warning
+    code, out, err = run(capsys, "simulate", CASE_1, *SHORT, *SOFT, "--json", "--strict")
+    (exceeded,) = json.loads(out)["limits_exceeded"]
+    assert (code, exceeded["limit"]) == (1, "torque")
+    assert exceeded["factor"] == pytest.approx(json.loads(out)["max_torque"] / 0.01)
+    told = f"limits exceeded: {exceeded['text']}; --strict requires every limit kept"
+    assert err == f"error: {CASE_1}: {told}\n"
+    code, out, err = run(capsys, "simulate", CASE_1, *SHORT, *SOFT, "--quiet", "--strict")
+    assert (code, out, len(err.splitlines())) == (1, "", 1)
+    assert run(capsys, "simulate", CASE_1, *SHORT, "--quiet", "--strict") == (0, "", "")
+
+
+def test_the_scenario_is_named_by_its_hash(capsys: pytest.CaptureFixture[str]) -> None:
+    expected = fingerprint(load(CASE_1, SHORT[1:]))
+    _, out, _ = run(capsys, "simulate", CASE_1, *SHORT)
+    assert out.splitlines()[-1].split() == ["scenario", "sha256", expected]
+    _, out, _ = run(capsys, "simulate", CASE_1, *SHORT, "--json")
+    assert json.loads(out)["scenario_hash"] == expected
 
 
 def test_quietly(capsys: pytest.CaptureFixture[str]) -> None:
