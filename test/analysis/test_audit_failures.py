@@ -294,7 +294,23 @@ def test_without_the_plan_before_it_a_failure_is_solved_again_cold(tmp_path):
     assert "1 from a cold start only: the plan before is missing" in found.note
 
 
+@pytest.mark.parametrize("scenario", [DIRECT, SPUN], ids=["forged", "real"])
+def test_fallbacks_without_solver_messages_are_solved_again_cold(tmp_path, scenario):
+    flown = fly(tmp_path, scenario, failing={0, 1} if scenario is DIRECT else ())
+    kept = [item for item in messages_of(flown) if item[0] != "/solver_status"]
+    audit = audit_bag(rewrite(flown, tmp_path / "silent", kept))
+    found, counts = line(audit, FAILURES), audit.counts
+    assert counts.solves_repeated == counts.fallbacks == found.steps > 0
+    assert f"{found.steps} from a cold start only" in found.note
+    if scenario is DIRECT:
+        assert found.first == (0, "solver_status.status")
+        assert found.note.startswith("a fallback claimed, but the solve converges after ")
+    else:
+        assert (found.verdict, counts.failures_confirmed) == ("pass", found.steps)
+
+
 def test_a_law_without_solves_claims_no_failures(tmp_path):
     audit = audit_bag(fly(tmp_path, sections(nmpc_controller={"method": "feedback"})))
     assert audit.passed, audit.first
     assert audit.counts.solves_repeated == 0
+    assert line(audit, FAILURES).note == "method feedback makes no solves"

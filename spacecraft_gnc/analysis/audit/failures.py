@@ -16,6 +16,7 @@ from spacecraft_gnc.analysis.audit.plans import HARD, TERMINAL, Certifier, Plans
 from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, restored, sample
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.audit.certificate import CertificateAudit
@@ -116,6 +117,19 @@ class FailureAudit:
         if attempts.size:
             self._last = before(int(attempts[-1]) + 1)
 
+    def audit_unsaid(self) -> None:
+        """Solve again, cold, what fell back at steps of which no solver message was recorded."""
+        columns = self._evidence.columns
+        if not columns[TORQUE].steps.size:
+            return
+        fell_back = np.isin(columns[TORQUE].fields["source"], _FALLBACKS)
+        steps = np.setdiff1d(columns[TORQUE].steps[fell_back], columns[SOLVER_STATUS].steps)
+        for topic in (STATE, REFERENCE):
+            steps = np.intersect1d(steps, columns[topic].steps)
+        for step in steps[steps < self._evidence.n].tolist():
+            self._cold_only += 1
+            self._again(step, _UNSAID, None)
+
     def _is_attempt(self, statuses: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Tell of which messages a solve was due: not where a law answers by itself."""
         if self._certifier.has_law:
@@ -129,9 +143,9 @@ class FailureAudit:
         counts.solves_repeated += 1
         status = NO_SOLVE if again is None else int(again.status)
         failed = again is None or not again.converged
-        confirmed = status == claimed or (failed and self._any)
+        confirmed = status == claimed or (failed and (self._any or claimed == _UNSAID))
         counts.failures_confirmed += confirmed
-        fallback = found.source == Source.NEIGHBORING_EXTREMAL or _is_fallback(found.source)
+        fallback = found.source in (*_FALLBACKS, Source.NEIGHBORING_EXTREMAL)
         counts.fallbacks += fallback
         counts.fallbacks_justified += fallback and confirmed
         at = np.array([step])
@@ -202,11 +216,12 @@ SOLVED: Final = (Status.CONVERGED, Status.STALLED, Status.ESCAPING)
 """How a step ends whose solve converged."""
 
 
-def _is_fallback(source: int) -> bool:
-    return source in list(Source) and Source(source).is_fallback
+_FALLBACKS: Final = [source for source in Source if source.is_fallback]
+_UNSAID: Final = -1
+"""Status of a step of which only the command was recorded."""
 
 
 def _name(status: int) -> str:
-    if status == NO_SOLVE:
-        return "NO_SOLVE"
+    if status in (NO_SOLVE, _UNSAID):
+        return "NO_SOLVE" if status == NO_SOLVE else "a fallback"
     return Status(status).name if status in list(Status) else f"status {status}"

@@ -12,6 +12,7 @@ import numpy as np
 from spacecraft_gnc.analysis.audit.counts import Counts
 from spacecraft_gnc.analysis.audit.decisions import audit_decisions
 from spacecraft_gnc.analysis.audit.evidence import Evidence, Progress, read_evidence
+from spacecraft_gnc.analysis.audit.failures import FAILURES
 from spacecraft_gnc.analysis.audit.ledger import Check, Difference, Ledger
 from spacecraft_gnc.analysis.audit.motion import applied_torques, audit_motion
 from spacecraft_gnc.analysis.audit.order import audit_order
@@ -158,19 +159,27 @@ def _audit_solves(
     """Certify plans, and have the laws that make none give their commands once more."""
     scenario = evidence.scenario
     certifier, method = Certifier.from_scenario(scenario), scenario.controller.method
-    if not evidence.columns[SOLVER_STATUS].steps.size:
-        ledger.skip("plans of the solver", "solver_status was not recorded")
+    solves, solver = evidence.columns[SOLVER_STATUS], None
+    if certifier is not None:
+        any_failure = tolerance is not None
+        solver = SolverAudit(evidence, certifier, ledger, counts, any_failure=any_failure)
+    else:
+        makes = "makes no solves" if scenario.traits.memoryless else "is a plug-in's"
+        ledger.skip(FAILURES, f"method {method} {makes}")
+    if not solves.steps.size:
+        why = "solver_status was not recorded: no command is certified"
+        ledger.skip("plans of the solver", why)
+        if solver is not None:
+            solver.finish()
         return
-    solves = evidence.columns[SOLVER_STATUS]
     if method in registry.BUILT_IN["controllers"]:
         same = solves.fields["method"] == method
         ledger.require("method", f"{method}", solves.steps, "solver_status.method", same)
     ledger.skip("iterations and wall times", "they tell of the run, not of the plan")
-    if certifier is not None:
-        any_failure = tolerance is not None
-        solver = SolverAudit(evidence, certifier, ledger, counts, any_failure=any_failure)
+    if solver is not None:
         for block in evidence.solves(progress):
             solver.audit(block)
+        solver.finish()
     else:
         ledger.skip("plans of the solver", f"method {method} makes none that is known here")
     if not scenario.traits.memoryless and (certifier is None or not certifier.has_law):

@@ -91,7 +91,6 @@ class SolverAudit:
         plans = self._plans(steps, rows)
         self._ladder.audit(self._fallbacks(block, solved, TORQUE), steps, plans, rows)
         self._failures.audit(block, self._fallbacks(block, solved), steps, plans, rows)
-        self._ledger.skip(FAILURES, "no failure is claimed")
         if not steps.size:
             answered = self._certifier.has_law and (block.fields["status"] == NO_SOLVE).all()
             why = "no step was solved: the law answered" if answered else "no solve converged"
@@ -109,6 +108,11 @@ class SolverAudit:
             own_found = Certificates(*(values[chosen] for values in found))
             self._start_and_command(steps[chosen], own, own_plans)
             self._certificate.audit(str(formulation), steps[chosen], own, own_plans, own_found)
+
+    def finish(self) -> None:
+        """Audit what no solver message tells of."""
+        self._failures.audit_unsaid()
+        self._ledger.skip(FAILURES, "no failure is claimed")
 
     def _fallbacks(
         self, block: Columns, solved: NDArray[np.bool_], *topics: str
