@@ -47,6 +47,11 @@ class Verdict:
         )
 
     @property
+    def beyond(self) -> int:
+        """Problems for which IPOPT's motion has a step that the integrator does not have."""
+        return sum("controls" in a.get("ipopt", {}) for a in self.accounts.values()) - self.by_ipopt
+
+    @property
     def share(self) -> float:
         """Share of the problems that IPOPT solves that we solve, too."""
         return 1.0 - len(self.missed) / self.by_ipopt if self.by_ipopt else 1.0
@@ -64,6 +69,7 @@ class Verdict:
             "problems": len(self.accounts),
             "judged": self.judged,
             "solved by IPOPT": self.by_ipopt,
+            "found by IPOPT beyond (3)": self.beyond,
             "share": self.share,
             "statuses": dict(Counter(a.get("status", "") for a in self.accounts.values())),
             **{kind: getattr(self, kind) for kind in kinds},
@@ -158,6 +164,7 @@ def report(verdict: Verdict, seconds: float) -> str:
         ("cost not that of the torques", str(len(verdict.cost))),
         ("exceptions", str(len(verdict.exceptions))),
         ("solved by IPOPT", f"{verdict.by_ipopt} of {verdict.judged}"),
+        ("found by IPOPT beyond (3)", str(verdict.beyond)),
         ("of these not by us", f"{len(verdict.missed)}: {100 * verdict.share:.2f} % solved"),
         ("compared", str(compared)),
         ("worse than IPOPT", str(len(verdict.worse))),

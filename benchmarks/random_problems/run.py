@@ -31,7 +31,7 @@ THREADS = ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMEXPR", "NUMBA")
 
 from draw import VERSION, draw  # noqa: E402
 from judge import Verdict, judge, lines, report  # noqa: E402
-from ours import solved  # noqa: E402
+from ours import solved, within_reach  # noqa: E402
 
 from spacecraft_gnc.ocp import ShootingOptions  # noqa: E402
 
@@ -109,7 +109,8 @@ def main() -> int:
     jobs = 1 if one else wanted.jobs
     whole = judge_all(folder / "problems.jsonl", ipopt, folder, jobs, len(seeds), wanted.limit)
     checks = [row for path in folder.glob("checks*.jsonl") for row in lines(path)]
-    verdict = judge(accounts, checks, [r for r in lines(ipopt) if r["seed"] in accounts])
+    rows = [within_reach(row) for row in lines(ipopt) if row["seed"] in accounts]
+    verdict = judge(accounts, checks, rows)
     print(report(verdict, spent))
     if not whole:
         print(f"the model was stopped after {wanted.limit:g} s: the rest was not judged")
