@@ -16,6 +16,7 @@ FILES = sorted(ROOT.rglob("*.py"))
 LAYERS = (
     {"__init__", "errors", "extras", "arguments", "arrays"},
     {"types", "_kernels"},
+    {"solvability"},
     {"lie"},
     {"dynamics"},
     {"ocp"},

@@ -21,6 +21,7 @@ from spacecraft_gnc.arguments import as_count, require_positive
 from spacecraft_gnc.arrays import FLOAT64, as_rows, as_shaped
 from spacecraft_gnc.dynamics._lgvi_kernels import advance, propagate, solvable
 from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.solvability import largest_free_step
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,
@@ -92,27 +93,24 @@ class RigidBody:
         if self.is_solvable(momentum):
             return
         moment = " ".join(f"{value:.6g}" for value in momentum)
+        works = (1.0 - 1e-6) * self.largest_time_step(momentum)  # rounded to six digits, it works
         raise ParameterError(
             f"{name}: received [{moment}] N m s with time step {self.time_step:g} s; required "
             "(h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)), else the body turns too far "
-            f"in one step; use a time step of at most {self.largest_time_step(momentum):.6g} s"
+            f"in one step; use a time step of at most {works:.6g} s, which holds for the free "
+            "motion that follows"
         )
 
     def largest_time_step(self, momentum: Vector3) -> float:
-        """Return the largest time step [s] for which a step from ``momentum`` (3,) exists."""
-        momentum = as_vector3("momentum", momentum)
-        nonstandard = self.packed[18:27].reshape(3, 3)
-        inverse = np.linalg.inv(nonstandard)
-        p_hat = np.array(
-            [
-                [0.0, -momentum[2], momentum[1]],
-                [momentum[2], 0.0, -momentum[0]],
-                [-momentum[1], momentum[0], 0.0],
-            ]
-        )
-        # (h hat(Pi))^2 + 4 Jd^2 >= 0  iff  h |hat(Pi) Jd^-1| <= 2 in the spectral norm.
-        norm = float(np.linalg.norm(p_hat @ inverse, 2))
-        return 2.0 / norm if norm > 0.0 else float("inf")
+        """Return the largest time step [s] for free motion from ``momentum`` (3,) [N m s].
+
+        With it every step of the free body exists, whichever way the momentum turns in the body
+        frame; `is_solvable` tells of one step alone. A torque that adds to the momentum lowers it:
+        h |Pi| <= 2 d, with d the smallest eigenvalue of Jd, suffices for any momentum of that size.
+
+        Source: Kalabic et al. 2014, (3), on the curve of constant momentum and energy.
+        """
+        return largest_free_step(self.inertia, as_vector3("momentum", momentum))
 
     def step(
         self, attitude: Matrix3, momentum: Vector3, torque: Vector3, n_steps: int = 1

@@ -36,6 +36,7 @@ from spacecraft_gnc.governors.prediction import Prediction
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
 from spacecraft_gnc.ocp import ShootingSolver
+from spacecraft_gnc.solvability import largest_step
 from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3, as_rotation
 
 if TYPE_CHECKING:
@@ -232,7 +233,9 @@ class ControllerLoopPredictor:
         kind = found - len(self._set.names)
         if kind == CONDITION:  # at its bound, where the state passes it within a control period
             momentum, h = self._rows[3], self._body.time_step
-            share = self._body.largest_time_step(momentum) / h  # of this momentum that (4) allows
+            share = (
+                largest_step(self._body.inertia, momentum) / h
+            )  # of this momentum that (4) allows
             return min(0.0, (share - 1.0) * float(np.linalg.norm(momentum)))
         if kind in (CONVERGENCE, SOLVER):  # [rad] still to go
             return -lie.angle_between(self._rows[:3], self._rows[4:])

@@ -6,7 +6,6 @@ needed: no kernel is compiled to say that a file is wrong.
 
 from __future__ import annotations
 
-import math
 import re
 
 import numpy as np
@@ -21,6 +20,7 @@ from spacecraft_gnc.scenario.checks_torque import check_torque
 from spacecraft_gnc.scenario.parameter import Value, specs_of
 from spacecraft_gnc.scenario.problems import shown, suggestion
 from spacecraft_gnc.scenario.schema import SECTIONS, PlantParameters
+from spacecraft_gnc.solvability import largest_free_step
 from spacecraft_gnc.types import Array
 
 MAXIMUM_STEPS = 10**9
@@ -49,29 +49,6 @@ def steps_in(period: float, step: float) -> int | None:
         return None
     count = round(ratio)
     return count if count >= 1 and abs(ratio - count) <= _STEP_TOLERANCE * count else None
-
-
-def largest_time_step(inertia: Array, momentum: Array) -> float:
-    """Return the largest step [s] of the integrator that exists at a momentum.
-
-    (h hat(Pi))^2 + 4 Jd^2 >= 0 holds if and only if h |hat(Pi) Jd^-1| <= 2 in the spectral norm.
-
-    Parameters
-    ----------
-    inertia : (3, 3) array
-        Body frame [kg m^2].
-    momentum : (3,) array
-        Body frame [N m s].
-
-    Source: Kalabic et al. 2014, (3). `RigidBody.largest_time_step` is the same, behind numba.
-    """
-    size = float(np.abs(momentum).max())
-    if size == 0.0:
-        return math.inf
-    nonstandard = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    hat = np.cross(np.eye(3), momentum / size)
-    norm = size * float(np.linalg.norm(hat @ np.linalg.inv(nonstandard), 2))
-    return 2.0 / norm if norm > 0.0 else math.inf
 
 
 def _check_names(checked: Checked) -> None:
@@ -150,11 +127,11 @@ def _check_momentum(checked: Checked) -> None:
     for section, body in (("plant", inertia), ("nmpc_controller", believed)):
         step = checked.get(section, "time_step")
         if body and momentum and isinstance(step, float) and step > 0.0:
-            largest = largest_time_step(_matrix(body), np.array(momentum))
+            largest = largest_free_step(_matrix(body), np.array(momentum))
             if step > largest:
                 need = (
-                    "(h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)) at "
-                    f"plant.initial_momentum {shown(momentum)}: at most {largest:.6g} s"
+                    "(h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)) in free motion from "
+                    f"plant.initial_momentum {shown(momentum)}: less than {largest:.6g} s"
                 )
                 remedy = "use a smaller time step, or less momentum"
                 checked.complain(section, "time_step", f"{step!r} s", need, remedy)

@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.scenario import InvalidScenario, from_sections, load, read_sections
-from spacecraft_gnc.scenario.checks import largest_time_step, steps_in
+from spacecraft_gnc.scenario.checks import steps_in
 from spacecraft_gnc.scenario.schema import SECTIONS
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
@@ -305,13 +306,13 @@ def test_whole_multiples_are_recognised(step: float, count: int) -> None:
     assert steps_in(step * (count + 0.5), step) is None
 
 
-def test_momentum_check_is_that_of_the_integrator() -> None:
-    rng = np.random.default_rng(3)
-    for _ in range(50):
-        rotation, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-        inertia = rotation @ np.diag(rng.uniform(1.0, 1.9, 3)) @ rotation.T
-        momentum = rng.normal(size=3)
-        body = RigidBody(0.5 * (inertia + inertia.T), 0.1)
-        ours = largest_time_step(body.inertia, momentum)
-        assert ours == pytest.approx(body.largest_time_step(momentum), rel=1e-12)
-    assert largest_time_step(np.eye(3), np.zeros(3)) == np.inf
+def test_a_momentum_that_turns_beyond_the_integrator_is_refused() -> None:
+    """Its first step exists; the free body lacks a later one."""
+    body, momentum = RigidBody(np.diag([1.0, 0.7, 0.5]), 0.4), [0.6, 0.2, 0.3]
+    assert body.is_solvable(np.array(momentum))
+    with pytest.raises(ParameterError, match="at step"):
+        body.simulate(np.eye(3), momentum, np.zeros(3), 100)
+    plant = {"inertia": body.inertia.ravel().tolist(), "initial_momentum": momentum}
+    with pytest.raises(InvalidScenario, match=r"Kalabic.*in free motion from"):
+        from_sections({"plant": plant | {"time_step": 0.4}})
+    assert from_sections({"plant": plant | {"time_step": 0.38}}).plant.time_step == 0.38
