@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from spacecraft_gnc.dynamics._lgvi_kernels import propagate
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.solvability import largest_free_step, largest_step
 
-DRAWS = 300
+DRAWS = 30 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 300  # minutes, interpreted
 STEPS = 5000
 ZERO = np.zeros(3)
 
@@ -46,10 +47,10 @@ def test_free_bodies_never_fail_within_it_and_fail_right_beyond_it(kind):
         momentum = rng.normal(size=3)
         step = RigidBody(inertia, 1.0).largest_time_step(momentum)
         within += survives(inertia, momentum, 0.9999 * step)
-        beyond += survives(inertia, momentum, 1.001 * step)
+        beyond += survives(inertia, momentum, 1.0001 * step)
         first += survives(inertia, momentum, 0.9 * largest_step(inertia, momentum))
     assert within == DRAWS
-    assert beyond <= 0.01 * DRAWS
+    assert beyond <= 0.02 * DRAWS
     assert first < 0.9 * DRAWS  # the draws tell the two apart
 
 
