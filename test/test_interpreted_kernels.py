@@ -59,7 +59,7 @@ near = NeighboringExtremal(ocp, NeighboringOptions(tolerance=1.0))
 near.solve(R, Pi)
 o = near.solve(R @ lie.exp(np.array([1e-4, 0.0, 0.0])), Pi)
 assert o.formulation == "neighboring_extremal"
-found |= {"near": o.torques, "near_error": near.predicted_error}
+found |= {"near": o.torques, "near_error": near.error_bound}
 flat = AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 30)  # a saddle, and the way off it
 o = ShootingSolver(flat).solve(lie.exp(np.array([math.pi, 0.0, 0.0])), np.zeros(3))
 assert o.converged and o.cost < 0.4
