@@ -103,12 +103,7 @@ HEADER = "\n".join(
 )
 
 
-def fly(
-    online: NeighboringExtremal,
-    noise: float,
-    rng: np.random.Generator,
-    steps: int,
-) -> Tally:
+def fly(online: NeighboringExtremal, noise: float, rng: np.random.Generator, steps: int) -> Tally:
     """Fly one closed loop from a random start and compare each corrected step."""
     ocp, exact, seen = online.ocp, ShootingSolver(online.ocp), Tally()
     online.reset()
@@ -118,14 +113,14 @@ def fly(
     warm = None
     for _ in range(steps):
         measured = attitude @ lie.exp(noise * rng.normal(size=3))
-        rate = momentum + noise / 3.0 * rng.normal(size=3)
-        solution = online.solve(measured, rate, None, warm)
+        spin = momentum + noise / 3.0 * rng.normal(size=3)
+        solution = online.solve(measured, spin, None, warm)
         if not solution.converged:
-            solution = online.solve(measured, rate)
+            solution = online.solve(measured, spin)
         if not solution.converged:
             break
         if solution.formulation == FORMULATION:
-            truth = exact.solve(measured, rate, None, warm)
+            truth = exact.solve(measured, spin, None, warm)
             seen.unknown += not truth.converged
             seen.corrected_times.append(solution.solve_time)
             if truth.converged:

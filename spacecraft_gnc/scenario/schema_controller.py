@@ -257,8 +257,8 @@ class ControllerParameters(NodeParameters):
     ne_tolerance: float = parameter(
         Kind.DOUBLE,
         1.0e-3,
-        "neighboring_extremal on-line: largest predicted error of the torque that is flown, "
-        "as a share of max_torque (of 1 N m without a limit)",
+        "neighboring_extremal on-line: largest bound of the error of the planned torques, as a "
+        "share of max_torque (without a limit, of the largest torque of the last exact plan)",
         above=0.0,
     )
     ne_max_age: int = parameter(
