@@ -31,7 +31,7 @@ from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 # advance is done.
 SETTLED = 4e-6
 FAR = 1e12  # cost, or residual, of controls under which the integrator has no step
-DIFFERENCE = 1.5e-6  # step of the forward differences, as a share of the limit
+DIFFERENCE = 1.5e-7  # step of the forward differences, as a share of the limit
 
 
 class Units(NamedTuple):
