@@ -51,7 +51,7 @@ def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[
         constraint even with the last reference held), ``min_governor_margin`` (of its predictions,
         in the unit of each one's nearest constraint),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
-        stage costs; None of a method that reads no weights),
+        stage costs as the method counts them; None of a method that reads no weights),
         ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``limits_exceeded`` (by more than
         0.1 %, see `analysis.limits`; empty without a scenario), ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
@@ -158,13 +158,20 @@ def _torque_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[s
     limit = series.torque_limit(trajectory, scenario)
     cost = None
     if scenario is not None and "weights.stage_attitude" in scenario.traits.reads:
-        cost = _number(np.nansum(series.stage_costs(trajectory, scenario.controller.weights)))
+        cost = _number(np.nansum(_stage_costs(trajectory, scenario)))
     return {
         "max_torque": _number(_largest(norm)),
         "torque_limit": limit or None,
         "saturated_steps": int(np.count_nonzero(norm >= _SATURATION * limit)) if limit else None,
         "cost": cost,
     }
+
+
+def _stage_costs(trajectory: Trajectory, scenario: Scenario) -> Array:
+    controller = scenario.controller
+    if "weights.stage_rate" in scenario.traits.reads:
+        return series.terminal_set_stage_costs(trajectory, controller)
+    return series.stage_costs(trajectory, controller.weights, controller.actuators)
 
 
 def _zone_metrics(

@@ -17,7 +17,11 @@ from spacecraft_gnc.types import Array
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario import Scenario
-    from spacecraft_gnc.scenario.schema import WeightParameters, ZoneParameters
+    from spacecraft_gnc.scenario.schema import (
+        ControllerParameters,
+        WeightParameters,
+        ZoneParameters,
+    )
 
 STALLED: Final = 6
 ESCAPING: Final = 7
@@ -131,18 +135,53 @@ def pointing_margin_deg(attitudes: Array, zone: ZoneParameters) -> Array:
     return np.asarray(beyond if zone.kind == "exclusion" else -beyond)
 
 
-def stage_costs(trajectory: Trajectory, weights: WeightParameters) -> Array:
+def stage_costs(
+    trajectory: Trajectory, weights: WeightParameters, actuators: Array | None = None
+) -> Array:
     """Return (n,) stage costs of the control steps, with the reference attitude in place of I.
 
     C_k = h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k)|_F^2 + |Q3^(1/2) hat(u_k)|_F^2)
 
+    u_k are the least controls that make the torque by the (3, m) matrix ``actuators``, and the
+    torque itself where that is absent or empty.
+
     **Source**: Gupta et al. (2015), equation (28).
     """
     deviation = trajectory.attitude - trajectory.reference
-    attitude_term = np.einsum("nji,jk,nki->n", deviation, weights.stage_attitude, deviation)
+    controls, weight = trajectory.torque, weights.stage_torque
+    if actuators is not None and actuators.size:
+        controls = controls @ np.linalg.pinv(actuators).T
+    if controls.shape[1] == 3:
+        torque_term = _hat_norm_squared(controls, weight)
+    else:  # one number then: the weight of |u|^2
+        torque_term = 2.0 * weight[0, 0] * np.einsum("ni,ni->n", controls, controls)
+    attitude_term = _frobenius(weights.stage_attitude, deviation)
     momentum_term = _hat_norm_squared(trajectory.momentum, weights.stage_momentum)
-    torque_term = _hat_norm_squared(trajectory.torque, weights.stage_torque)
     return np.asarray(0.5 * trajectory.period * (attitude_term + momentum_term + torque_term))
+
+
+def terminal_set_stage_costs(trajectory: Trajectory, controller: ControllerParameters) -> Array:
+    """Return (n,) stage costs of ``method: terminal_set``, to the reference attitude.
+
+    lambda L_k = lambda (tr(Q1 (I - C_k)) + tr(Q2 (I - F_k)) / h^2 + T_k . M T_k / 2)
+
+    with C = R_ref^T R and F_k the turn of one step. tr(Q (I - A)) = |Q^(1/2) (I - A)|_F^2 / 2.
+
+    **Source**: Kalabic et al. (2014), equations (24) and (25).
+    """
+    weights, eye = controller.weights, np.eye(3)
+    before, after = attitudes(trajectory)[:-1], attitudes(trajectory)[1:]
+    error = eye - np.swapaxes(trajectory.reference, 1, 2) @ before
+    turn = eye - np.swapaxes(before, 1, 2) @ after
+    cost = _frobenius(weights.stage_attitude, error)
+    cost += _frobenius(weights.stage_rate, turn) / trajectory.period**2
+    cost += np.einsum("ni,ij,nj->n", trajectory.torque, weights.stage_torque, trajectory.torque)
+    return np.asarray(0.5 * controller.stage_cost_scale * cost)
+
+
+def _frobenius(weight: Array, matrices: Array) -> Array:
+    """Return |W^(1/2) A|_F^2 of (n, 3, 3) matrices."""
+    return np.asarray(np.einsum("nji,jk,nki->n", matrices, weight, matrices))
 
 
 def _hat_norm_squared(vectors: Array, weight: Array) -> Array:

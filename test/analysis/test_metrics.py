@@ -14,8 +14,11 @@ from hypothesis import strategies as st
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import settle_time, summarize
-from spacecraft_gnc.ocp import Status
-from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.loop.controllers import problem_of
+from spacecraft_gnc.loop.terminal_set import TerminalSetController
+from spacecraft_gnc.ocp import ShootingSolver, Status, TerminalSetSolver
+from spacecraft_gnc.scenario import from_sections, load
+from spacecraft_gnc.scenario.shipped import shipped
 
 
 def about_z(degrees):
@@ -79,6 +82,38 @@ def test_full_weight_matrices_act_on_their_axes():
     # hat(e_z) has entries in its first two rows: |W^(1/2) hat(e_z)|_F^2 = 1 + 2
     (cost,) = series.stage_costs(flight, weights.controller.weights)
     assert cost == pytest.approx(0.5 * PERIOD * 3.0)
+
+
+def plan_as_flight(solution):
+    """The predicted horizon of a solve, as if it had been flown."""
+    reference = np.tile(solution.reference, (len(solution.torques), 1, 1))
+    flight = trajectory(solution.attitudes, solution.momenta, solution.torques)
+    return replace(flight, reference=reference, period=solution.ocp.time_step)
+
+
+@pytest.mark.parametrize("m", [0, 2, 3, 4])
+def test_stage_costs_are_those_that_the_solver_counts(m):
+    B = np.array([[1.0, 0.2, 0.1, 0.5], [0.0, 0.9, -0.3, 0.5], [0.1, 0.3, 1.1, 0.5]])[:, :m]
+    weights = {"stage_momentum": 0.05, "terminal_attitude": 0.0, "terminal_momentum": 0.0}
+    loaded = scenario(weights=weights, max_torque=0.0, actuators=B.ravel().tolist())
+    ocp = problem_of(loaded)
+    start, target = lie.exp(np.array([0.3, -0.2, 0.4])), lie.exp(np.array([0.1, 0.2, 0.0]))
+    solution = ShootingSolver(ocp).solve(start, np.array([0.01, 0.02, -0.01]), target)
+    flight = plan_as_flight(solution)
+    costs = series.stage_costs(flight, loaded.controller.weights, loaded.controller.actuators)
+    assert costs.sum() == pytest.approx(solution.cost, rel=1e-12)
+    assert summarize(flight, loaded)["cost"] == pytest.approx(solution.cost, rel=1e-12)
+
+
+def test_the_terminal_set_method_has_stage_costs_of_its_own():
+    """(24) and (25) of Kalabic et al. 2014: neither h nor a weight of the momentum."""
+    loaded = load(shipped("kalabic2014_nmpc"))
+    ocp = TerminalSetController.problem(loaded)
+    start, target = lie.exp(np.array([0.3, -0.2, 0.4])), lie.exp(np.array([0.1, 0.2, 0.0]))
+    solution = TerminalSetSolver(ocp).solve(start, np.array([0.05, 0.02, -0.01]), target)
+    ends = 0.5 * ocp.level_of(ocp.terminal_state(solution.attitudes, solution.momenta, target))
+    cost = summarize(plan_as_flight(solution), loaded)["cost"]
+    assert cost == pytest.approx(solution.cost - ends, rel=1e-10)
 
 
 @pytest.mark.parametrize(
