@@ -50,6 +50,7 @@ from spacecraft_gnc.ocp._sweep_kernels import (
     factorize,
     smallest_pivot,
     store_stage,
+    substitute,
     sweep_costates,
 )
 from spacecraft_gnc.ocp._terminal_kernels import set_track
@@ -57,7 +58,7 @@ from spacecraft_gnc.ocp._terminal_kernels import set_track
 STATUS, ATTITUDE_DEFECT, MOMENTUM_DEFECT, RESIDUAL, RADIUS_DEFECT, COST, LARGEST, CURVATURE = range(
     8
 )
-MULTIPLIER, FIRST_DEFECT, COSTATE, MADE_OF, NUMBERS = 8, 9, 10, 11, 12
+MULTIPLIER, FIRST_DEFECT, COSTATE, MADE_OF, CORRECTION, NUMBERS = 8, 9, 10, 11, 12, 13
 ON_LIMIT = 1e-12
 """Relative distance of |u|^2 from its bound within which the bound counts as touched."""
 
@@ -124,8 +125,10 @@ def _pull(data, lam2, i):
 
 
 @kernel
-def _conditions(data, lam, W, back, numbers):
-    """Sum the squares of what (38) leaves at each stage, in the units of lam; set sigma in W.
+def _conditions(data, lam, W, back, left, numbers):
+    """Fill ``left`` (N, 3) with what (38) leaves of each stage's lam2; set sigma in W.
+
+    Returns its norm over the horizon.
 
     sigma is fitted where the limit is touched, since |u|^2 - max_torque^2 of rounded numbers has
     lost it; how far |u| is from what that sigma says is kept apart.
@@ -146,8 +149,9 @@ def _conditions(data, lam, W, back, numbers):
         W[k, SIGMA_AT] = sigma
         r = (0.0, 0.0, 0.0)
         for i in range(m):
-            left = _pull(data, l2, i) - (data[D_U + i] + sigma) * W[k, Z_AT + i]
-            r = add(r, scale(left, load3(back, i)))
+            off = _pull(data, l2, i) - (data[D_U + i] + sigma) * W[k, Z_AT + i]
+            r = add(r, scale(off, load3(back, i)))
+        store3(left, k, r)
         total += dot(r, r)
         numbers[LARGEST] = max(numbers[LARGEST], zz)
         numbers[COSTATE] = max(numbers[COSTATE], math.sqrt(dot(l2, l2)))
@@ -182,27 +186,27 @@ def _zones_pull(h, zones, R):
 
 @kernel
 def _made_of(data, zones, R, Pi, W):
-    """Largest sum, over the stages, of the sizes of what adds up to lam2.
+    """Sum of the sizes of what adds up to lam2 over the horizon, its first step included.
 
     The scale of its rounding, and of what counts as little of it: near the target, where lam2
     itself vanishes, it does not, for the entries of a rotation are of the order of one.
     """
     N, h = W.shape[0], data[H]
+    fastest = 0.0  # a momentum near zero is a difference of larger ones
+    for k in range(N + 1):
+        fastest = max(fastest, _size3(load3(Pi, k)))
     if data[LOG_FORM] > 0.0:
-        end, push = _size3(load3(Pi, N)), _size9(data9(data, Q_RATE))
-        a1 = 0.5 * (_size9(log_weight(data, 0, 0)) + _size9(log_weight(data, 0, 3)) * end)
-        a2 = 0.5 * (_size9(log_weight(data, 3, 0)) + _size9(log_weight(data, 3, 3)) * end)
+        push = _size9(data9(data, Q_RATE))
+        a1 = 0.5 * (_size9(log_weight(data, 0, 0)) + _size9(log_weight(data, 0, 3)) * fastest)
+        a2 = 0.5 * (_size9(log_weight(data, 3, 0)) + _size9(log_weight(data, 3, 3)) * fastest)
     else:
         a1, push = _size9(data9(data, P1)), 0.0
-        a2 = _size9(data9(data, S_P2)) * _size3(load3(Pi, N))
-    turn, spin = h * _size9(data9(data, Q1)), h * _size9(data9(data, S_Q2))
-    largest = a2
-    for k in range(N - 1, 0, -1):
-        M = _size9(load9_flat(W, k, M_AT))
-        a2 += M * (a1 + push) + spin * _size3(load3(Pi, k))
+        a2 = _size9(data9(data, S_P2)) * fastest
+    turn, spin = h * _size9(data9(data, Q1)), h * _size9(data9(data, S_Q2)) * fastest
+    for k in range(N - 1, -1, -1):
+        a2 += _size9(load9_flat(W, k, M_AT)) * (a1 + push) + spin
         a1 += turn + _zones_pull(h, zones, load9(R, k))
-        largest = max(largest, a2)
-    return largest
+    return a2
 
 
 @kernel
@@ -227,16 +231,27 @@ def _multiplier(data, zones, track, R, Pi, W, lam, other, claimed):
 
 
 @kernel
+def _correction(data, fac, left, step):
+    """Largest change of a lam2 by one Newton step from the plan, with its own factorization."""
+    zero = (0.0, 0.0, 0.0)
+    substitute(data[H], fac, left, zero, zero, 0.0, step)
+    largest = 0.0
+    for k in range(step.shape[0]):
+        largest = max(largest, _size3(load3(step, k)))
+    return largest
+
+
+@kernel
 def certify(
     body, problem, zones, references, attitudes, momenta, torques, controls, costates,
-    back, has_set, lam, W, fac, track, data, numbers,
+    back, has_set, lam, W, fac, left, track, data, numbers,
 ):  # fmt: skip
     """Work out afresh what each plan is worth: a row of ``numbers`` (m, NUMBERS) each.
 
     Plans are (m, N+1, 3, 3), (m, N+1, 3), (m, N, 3) with controls (m, N, n) in the eigenvectors of
     their weight; ``references`` (m, 3, 3); ``costates`` (m, 6) come in as claimed and go out as
     found. ``back`` (n, 3) is the pseudo-inverse of G. ``lam`` (2, N, 6) and what follows is work
-    space.
+    space, ``left`` (2, N, 3) among it.
     """
     for j in range(numbers.shape[0]):
         n = numbers[j]
@@ -252,7 +267,7 @@ def certify(
         if has_set:
             n[MULTIPLIER] = _multiplier(data, zones, track, R, Pi, W, lam[0], lam[1], costates[j])
         sweep_costates(data, zones, track, R, Pi, lam[0], W)
-        n[RESIDUAL] = _conditions(data, lam[0], W, back, n)
+        n[RESIDUAL] = _conditions(data, lam[0], W, back, left[0], n)
         n[MADE_OF] = _made_of(data, zones, R, Pi, W)
         for i in range(6):
             costates[j, i] = lam[0, 0, i]
@@ -261,3 +276,4 @@ def certify(
         n[COST] = horizon_cost(problem if weighted else data, zones, track, R, Pi, W)
         factorize(body, data, zones, track, R, Pi, lam[0], W, fac, 0.0, False)
         n[CURVATURE] = smallest_pivot(data[H], fac)
+        n[CORRECTION] = _correction(data, fac, left[0], left[1])

@@ -37,10 +37,12 @@ CUT: Final = 1e-6
 """Share of the torque limit that a neighboring extremal's torque may be off, beside its cut."""
 CUT_COST: Final = 1e-8
 """Share of the cost that this cut may change."""
-LEFT: Final = 100.0
-"""How many times ``residual_tolerance``, as a share of what lambda2 is made of, a plan may leave.
-
-A solver stops relative to a measure of its own, which is smaller or larger than the audit's."""
+LEFT: Final = 2.0
+"""How many times ``residual_tolerance``, as a share of what lambda2 is made of, may be left."""
+ROUNDED: Final = 1e-13
+"""What rounding may leave besides, as the same share, for each step of the horizon."""
+CORRECTED: Final = 1e-9
+"""Largest share of a lambda2 that a Newton step may change where more is left."""
 SETTLED: Final = {"fsolve": 1e-6, "slsqp": 1e-3}
 """The same share of those that stop by tolerances of scipy, with derivatives by differences."""
 AMPLIFIED: Final = 1e3
@@ -74,6 +76,8 @@ class CertificateAudit:
         self._certifier = certifier
         self._ledger = ledger
         self._residual_tolerance = parameters.residual_tolerance
+        rounded = ROUNDED * certifier.ocp.horizon
+        self._newton_share = LEFT * parameters.residual_tolerance + rounded
         self._keeps_factors = parameters.step_rule == "chord"
 
     def audit(
@@ -114,7 +118,7 @@ class CertificateAudit:
             ledger.skip(name, "a formulation that is not known here")
             return
         if formulation == HARD and len(ocp.zones):
-            free = (rows["zone_margins"] > 1e-6).all(axis=1)
+            free = np.asarray((rows["zone_margins"] > 1e-6).all(axis=1))
         else:
             free = np.ones(len(steps), dtype=bool)
         off = found.residual - rows["residual"]
@@ -128,7 +132,7 @@ class CertificateAudit:
             limit += AMPLIFIED * self._left(found)
         limit += np.where(on_limit, self._left(found), 0.0)
         ledger.bound(name, steps[free], "solver_status.residual", off[free], limit[free])
-        self._converged(formulation, steps[free], rows["residual"][free], found.made_of[free])
+        self._converged(formulation, steps, rows["residual"], found, free)
         name = f"|u| where the limit acts{_said(formulation)}"
         if ocp.max_torque == 0.0:
             ledger.skip(name, "the scenario has no torque limit")
@@ -144,17 +148,26 @@ class CertificateAudit:
         ledger.bound(name, steps, where, found.radius_defect, limit, "N m")
 
     def _converged(
-        self, formulation: str, steps: NDArray[np.int64], residual: Array, made_of: Array
-    ) -> None:
-        """Require that little is left of what the residual is made of, in whatever units."""
+        self, formulation: str, steps: NDArray[np.int64], residual: Array, found: Certificates,
+        free: NDArray[np.bool_],
+    ) -> None:  # fmt: skip
+        """Require that little is left of what the residual is made of, in whatever units.
+
+        Or that a Newton step would change next to nothing: under strong curvature, as that of a
+        steep zone, rounding leaves more.
+        """
         if formulation == NEIGHBORING:
             return
-        limit, where = self.share_left(formulation) * made_of, "solver_status.residual"
-        self._ledger.bound(f"converged ({formulation})", steps, where, residual, limit)
+        share = residual / np.maximum(found.made_of, 1e-300)
+        limit, where = self.share_left(formulation), "solver_status.residual"
+        if formulation not in SETTLED:
+            share = np.where(found.correction <= CORRECTED, np.minimum(share, limit), share)
+        name = f"converged ({formulation})"
+        self._ledger.bound(name, steps[free], where, share[free], limit, "of its terms")
 
     def share_left(self, formulation: str) -> float:
         """Return the largest residual of a converged solve, as a share of what it is made of."""
-        return SETTLED.get(formulation, LEFT * self._residual_tolerance)
+        return SETTLED.get(formulation, self._newton_share)
 
     def _cut(self, found: Certificates) -> Array:
         """Return (m,) how much a neighboring extremal's first torque may be cut to the limit.
@@ -170,7 +183,7 @@ class CertificateAudit:
 
     def _left(self, found: Certificates) -> Array:
         """Return (m,) residuals at which a Newton solve stops at the latest."""
-        return np.asarray(LEFT * self._residual_tolerance * found.made_of)
+        return np.asarray(self._newton_share * found.made_of)
 
     def _numbers(
         self, formulation: str, steps: NDArray[np.int64], rows: Rows, plans: Plans,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.analysis.audit.certificate import CORRECTED
 from spacecraft_gnc.analysis.audit.plans import HARD, TERMINAL, Certifier, Plans
 from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, restored, sample
 from spacecraft_gnc.loop.protocols import Source
@@ -196,6 +197,7 @@ class FailureAudit:
         found = self._certifier.certify(Plans(*(np.ascontiguousarray(x[None]) for x in plan)))
         share = float(found.residual[0] / max(float(found.made_of[0]), 1e-300))
         kept = share <= self._certificate.share_left(again.formulation)
+        kept |= bool(found.correction[0] <= CORRECTED)
         is_minimum = found.curvature[0] > 0.0 or again.formulation == HARD
         if kept and is_minimum and found.exists[0]:
             return f"certified: residual {share:.1g} of its terms, curvature > 0"

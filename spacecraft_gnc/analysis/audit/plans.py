@@ -63,7 +63,9 @@ class Certificates(NamedTuple):
     multiplier: Array
     """Multiplier nu of the terminal set; 0 without one."""
     made_of: Array
-    """Scale of lambda2: the largest sum of the sizes of what adds up to it."""
+    """Scale of lambda2: the sum of the sizes of what adds up to it."""
+    correction: Array
+    """Largest change of a lambda2 by one Newton step from the plan, as a share of the largest."""
     costates: Array
     """(m, 6) of the first step."""
 
@@ -139,7 +141,8 @@ class Certifier:
             ocp.body.packed, self.data, self.zone_rows, plans.references, plans.attitudes,
             plans.momenta, plans.torques, self.controls(plans.torques), costates, back,
             self.has_set, swept, np.zeros((n, work_size(ocp.n_controls))),
-            np.zeros((n, FACTOR_SIZE)), np.empty(27), np.empty(ocp.data.shape), numbers,
+            np.zeros((n, FACTOR_SIZE)), np.empty((2, n, 3)), np.empty(27),
+            np.empty(ocp.data.shape), numbers,
         )  # fmt: skip
         at = numbers.T
         found = Certificates(
@@ -154,6 +157,7 @@ class Certifier:
             at[kernels.CURVATURE],
             at[kernels.MULTIPLIER],
             np.maximum(at[kernels.MADE_OF], at[kernels.COSTATE]),
+            at[kernels.CORRECTION] / np.maximum(at[kernels.COSTATE], 1e-300),
             costates,
         )
         return found, swept[0]
