@@ -2,6 +2,7 @@
 
 `.venv/bin/python tools/scenario_reference.py` writes it; a test compares it with the schema.
 """
+# ruff: noqa: E501 - the rows of a table
 
 from __future__ import annotations
 
@@ -26,7 +27,8 @@ names every mistake in it at once. `--set node.parameter=VALUE` (VALUE is YAML) 
 one run. A scenario that comes with the package is found by its name (`gnc check gupta2015_case1`);
 a file of that name in the working directory, with or without `.yaml`, goes first.
 
-- A parameter that is left out takes its default. `required` ones have none.
+- A parameter that is left out takes its default. `required` ones have none. A formula as default
+  is explained [below](#defaults-that-follow-from-the-spacecraft).
 - Numbers with a decimal point are doubles, without one integers, and ROS 2 tells them apart: write
   `150.0` where a double is due.
 - Matrices are row-major, 9 numbers; a weight may also be one number `s`, which stands for `s I`.
@@ -67,9 +69,37 @@ test compares every form with live nodes). A section's name is a pattern of full
 """
 
 
+FORMULAS = """\
+## Defaults that follow from the spacecraft
+
+What carries units has no number as its default: it follows from the inertia, the torque limit and
+the settling time, each as given or by its own formula. In units of J, 1/omega and J omega^2 every
+spacecraft then solves the same problem. [docs/tuning.md](tuning.md) says where the formulas come
+from; `gnc check` prints the settling time they lead to. The recorder keeps the numbers beside the
+scenario, `gnc launch` writes them into the `scenario.yaml` that it saves, and a live node has them
+(`gnc inspect params`).
+
+| symbol | is |
+|---|---|
+| J, tr(J) | inertia that the controller believes, its trace |
+| J_max | its largest principal moment; with actuators sqrt of the largest eigenvalue of J V J, V = (B B^T)^-1 |
+| J_d | smallest eigenvalue of tr(J)/2 I - J |
+| U | `nmpc_controller.max_torque` |
+| omega | 8 / `settling_time` [rad/s]: (1 + 8) e^-8 is 0.1 deg of 30 deg |
+| u_0 | J_max omega^2 / 4 [N m], which is U where the settling time follows from U |
+| h, N, T | control period, horizon, max(N - 1, 1) h |
+| Pi_0 | `plant.initial_momentum` |
+| S | (tr(Q) I - Q)/2 of the `stage_torque` Q, the cost being h u . S u; the number q where Q = q I |
+| W | (B S^-1 B^T)^-1, the weight of a body torque; S without actuators. A torque that no actuator makes weighs as the dearest that one does |
+| E(X) | tr(X) I - 2 X, its eigenvalues raised to 1e-4 of the largest: a weight whose cost is h x . X x |
+
+Numbers are kept with 12 digits. Where a node alone knows no inertia, J = I.
+"""
+
+
 def page() -> str:
     """Return the text of docs/scenario.md."""
-    return "\n".join([HEAD, *(_section(name) for name in SECTIONS)])
+    return "\n".join([HEAD, FORMULAS, *(_section(name) for name in SECTIONS)])
 
 
 def _section(name: str) -> str:
@@ -94,7 +124,7 @@ def _type(spec: ParameterSpec) -> str:
 
 
 def _default(spec: ParameterSpec) -> str:
-    return "required" if spec.required else f"`{spec.default}`"
+    return "required" if spec.required else spec.formula or f"`{spec.default}`"
 
 
 def _admissible(spec: ParameterSpec) -> str:

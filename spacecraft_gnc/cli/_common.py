@@ -184,9 +184,9 @@ def print_table(rows: Iterable[tuple[str, str]]) -> None:
         print(f"  {label:<{width}}  {text}")
 
 
-def tell_warnings(scenario: Scenario) -> None:
+def tell_warnings(scenario: Scenario, further: Iterable[str] = ()) -> None:
     """Print on stderr what to know before a scenario flies."""
-    for text in scenario.warnings:
+    for text in (*scenario.warnings, *further):
         print(f"warning: {text}", file=sys.stderr)
 
 

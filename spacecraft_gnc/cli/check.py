@@ -1,6 +1,7 @@
 """``gnc check``: can this scenario fly, and if not, why; without ROS.
 
-Kernels are loaded only where a core has to look ahead from the start.
+Kernels are loaded only where a core has to look ahead from the start, or where the penalty of the
+torque limit may be too small.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from spacecraft_gnc.cli._common import (
     print_table,
     tell_warnings,
 )
+from spacecraft_gnc.cli._outlook import Outlook, outlook, settling_text
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -46,12 +48,15 @@ def check(
         print_json({"scenario": str(scenario), "ok": False, "problems": problems, "warnings": []})
         raise typer.Exit(error.exit_code) from None
     if as_json:
-        told = {"problems": [], "warnings": list(checked.warnings)}
-        print_json({"scenario": str(scenario), "ok": True, **told, **facts(checked)})
+        expected = outlook(checked)
+        told = {"problems": [], "warnings": [*checked.warnings, *expected.warnings]}
+        numbers = {**facts(checked), **_foretold(expected)}
+        print_json({"scenario": str(scenario), "ok": True, **told, **numbers})
     elif not quiet:
-        tell_warnings(checked)
+        expected = outlook(checked)
+        tell_warnings(checked, expected.warnings)
         print(f"{scenario}: can fly")
-        print_table(_rows(checked))
+        print_table(_rows(checked, expected))
 
 
 def facts(scenario: Scenario) -> dict[str, Any]:
@@ -74,7 +79,20 @@ def facts(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def _rows(scenario: Scenario) -> list[tuple[str, str]]:
+def _foretold(expected: Outlook) -> dict[str, Any]:
+    """Return the prediction in numbers; None for what is not predicted, or never."""
+    prediction = expected.prediction
+    if prediction is None:
+        return dict.fromkeys(("spectral_radius", "predicted_settling_time", "limit_excess"))
+    time = prediction.settling_time
+    return {
+        "spectral_radius": prediction.spectral_radius,
+        "predicted_settling_time": time if math.isfinite(time) else None,
+        "limit_excess": expected.excess,
+    }
+
+
+def _rows(scenario: Scenario, expected: Outlook) -> list[tuple[str, str]]:
     import numpy as np
 
     plant, controller = scenario.plant, scenario.controller
@@ -91,6 +109,7 @@ def _rows(scenario: Scenario) -> list[tuple[str, str]]:
         ("start", f"{error:.4g} deg from the target, |Pi| {momentum:g} N m s"),
         ("controller", _controller(scenario)),
         ("torque limit", f"{controller.max_torque:g} N m" if controller.max_torque else "none"),
+        ("settling", settling_text(scenario, expected.prediction)),
         ("zones", ", ".join(zones) or "none"),
         ("governor", _governor(scenario)),
         ("nodes", ", ".join(scenario.launcher.nodes)),

@@ -71,7 +71,7 @@ def simulate(
     trajectory = _fly(loop, silent=quiet)
     wall_time = time.perf_counter() - started
     if out is not None:
-        trajectory.save(out, checked.to_yaml())
+        trajectory.save(out, checked.to_yaml(), checked.stated_defaults())
     summary = summarize(trajectory, checked)
     if as_json or not quiet:
         metrics = {"scenario": str(scenario), **summary, "wall_time": wall_time}

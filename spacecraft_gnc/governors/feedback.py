@@ -37,7 +37,7 @@ from spacecraft_gnc.types import (
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
-# Bandwidth of the default gains in units of 1/period: slow enough for a sampled double integrator.
+# Bandwidth of the fallback's gains in units of 1/period: slow enough for a sampled body.
 BANDWIDTH = 0.05
 
 
@@ -100,19 +100,9 @@ class AttitudeFeedback:
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> AttitudeFeedback:
-        """Build the law of a scenario's section ``nmpc_controller``, default gains filled in."""
+        """Build the law of a scenario's section ``nmpc_controller``."""
         c = scenario.controller
-        default = cls.critically_damped(c.inertia, c.time_step)
-        return cls(
-            c.feedback_attitude_gain
-            if _is_given(c.feedback_attitude_gain)
-            else default.attitude_gain,
-            c.feedback_momentum_gain
-            if _is_given(c.feedback_momentum_gain)
-            else default.momentum_gain,
-            c.inertia,
-            c.max_torque,
-        )
+        return cls(c.feedback_attitude_gain, c.feedback_momentum_gain, c.inertia, c.max_torque)
 
     @property
     def stiffness(self) -> Matrix3:
@@ -152,7 +142,3 @@ def _packed(state: State, reference: Matrix3) -> Array:
     rows[3] = as_shaped("state.momentum", state.momentum, (3,))
     rows[4:] = as_shaped("reference", reference, (3, 3))
     return rows
-
-
-def _is_given(gain: Matrix3) -> bool:
-    return bool(np.isfinite(gain).all())

@@ -18,6 +18,7 @@ from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.types import Array
 
 _SCENARIO: Final = "scenario"
+_DEFAULTS: Final = "scenario_defaults"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,7 @@ class Trajectory:
         """Number of control steps."""
         return len(self.time)
 
-    def save(self, path: str | Path, scenario: str = "") -> Path:
+    def save(self, path: str | Path, scenario: str = "", defaults: str = "") -> Path:
         """Write all arrays to a ``.npz`` file, whole or not at all.
 
         Parameters
@@ -100,6 +101,8 @@ class Trajectory:
             File to write.
         scenario
             Text of what flew, kept beside the arrays as ``scenario``; empty: not known.
+        defaults
+            Text of the defaults that it took (`Scenario.stated_defaults`), likewise.
 
         Raises
         ------
@@ -108,8 +111,9 @@ class Trajectory:
         """
         target = Path(require_path("path", path))
         arrays = {item.name: getattr(self, item.name) for item in fields(self)}
-        if scenario:
-            arrays[_SCENARIO] = np.array(scenario)
+        for name, text in ((_SCENARIO, scenario), (_DEFAULTS, defaults)):
+            if text:
+                arrays[name] = np.array(text)
         temporary = target.with_name(f".{target.name}.part")
         try:
             with temporary.open("wb") as stream:
@@ -142,13 +146,19 @@ class Trajectory:
         """Read the scenario in a file written by `save`; empty where it holds none."""
         return str(_read(path, _SCENARIO).get(_SCENARIO, ""))
 
+    @staticmethod
+    def load_defaults(path: str | Path) -> str:
+        """Read the defaults in a file written by `save`; empty where it holds none."""
+        return str(_read(path, _DEFAULTS).get(_DEFAULTS, ""))
+
 
 def _read(path: str | Path, *names: str) -> dict[str, Any]:
-    """Return members of a file by name; of a file of before it held a scenario, none of that."""
+    """Return members of a file by name; of a file of before it held texts, none of them."""
     try:
         with Path(path).open("rb") as stream, zipfile.ZipFile(stream) as members:
             known = set(members.namelist())
-            wanted = [n for n in names if n != _SCENARIO or f"{n}.npy" in known]
+            texts = (_SCENARIO, _DEFAULTS)
+            wanted = [n for n in names if n not in texts or f"{n}.npy" in known]
             return {name: _member(members, name) for name in wanted}
     except (OSError, KeyError, ValueError, zipfile.BadZipFile, zlib.error, EOFError) as err:
         raise RecordingError(

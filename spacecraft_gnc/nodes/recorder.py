@@ -40,7 +40,7 @@ from spacecraft_gnc.recording.provenance import (
     lock_file,
     run_record,
 )
-from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT
+from spacecraft_gnc.recording.run_info import DEFAULTS_ATTACHMENT, SCENARIO_ATTACHMENT
 from spacecraft_gnc.recording.steps import SPARSE
 from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
 from spacecraft_gnc.scenario import Scenario
@@ -74,6 +74,8 @@ class RecorderNode(GncNode):
         )
         self.on_close(self._finish_bag)
         self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(scenario))
+        taken = scenario.stated_defaults().encode()
+        self._bag.attach(DEFAULTS_ATTACHMENT, "application/yaml", taken)
         if lock := lock_file():
             self._bag.attach(LOCK_ATTACHMENT, "text/plain", lock)
         self._bag.metadata(RUN_RECORD, run_record(scenario, middleware()))

@@ -16,7 +16,11 @@ from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording._scan import Progress
 from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
-from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, RunInfo, parse_scenario
+from spacecraft_gnc.recording.run_info import (
+    RunInfo,
+    parse_scenario,
+    scenario_texts,
+)
 from spacecraft_gnc.recording.steps import (
     ACCEPTED_TARGET,
     GOVERNOR_STATUS,
@@ -95,7 +99,8 @@ def load_run(
 
 def _read_npz(path: Path) -> Flight:
     trajectory, text = Trajectory.load(path), Trajectory.load_scenario(path)
-    scenario, problem = parse_scenario(text, path)
+    defaults = Trajectory.load_defaults(path)
+    scenario, problem = parse_scenario(text, path, defaults=defaults)
     info = RunInfo(path=path, scenario=scenario, scenario_text=text, scenario_problem=problem)
     return Flight(trajectory, info)
 
@@ -132,8 +137,10 @@ def read_flight(
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         columns = read_columns(bag, _TOPICS, namespace, progress, leave_out=_PLANS)
-        text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
-        scenario, problem = parse_scenario(text, bag.path, flight_namespace(bag, namespace))
+        text, defaults = scenario_texts(bag.attachments())
+        scenario, problem = parse_scenario(
+            text, bag.path, flight_namespace(bag, namespace), defaults
+        )
         torques = acted(columns)
         n = whole_steps(bag, columns, torques)
         info = RunInfo(

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
 
 from spacecraft_gnc.scenario.declare import (
     Declaration,
@@ -19,6 +22,8 @@ from spacecraft_gnc.scenario.schema import SECTIONS
 from spacecraft_gnc.scenario.values import Refusal, admissible
 from spacecraft_gnc.scenario.yaml_file import Entry, Given
 
+_ROUNDING: Final = 1e-9
+
 
 @dataclass(slots=True)
 class Checked:
@@ -33,6 +38,8 @@ class Checked:
     """What to know before it flies, one line each."""
     values: dict[str, dict[str, Value]] = field(default_factory=dict)
     """Section -> every parameter by dotted name, defaults included; refused ones are absent."""
+    defaults: dict[str, dict[str, Value]] = field(default_factory=dict)
+    """Section -> the defaults that formulas give (`defaults`), by dotted name."""
 
     def get(self, section: str, name: str) -> Value | None:
         """Return an admissible value; None where it was refused."""
@@ -42,7 +49,10 @@ class Checked:
         """Tell whether a value was given, admitted, and is not the default."""
         value = self.get(section, name)
         spec = spec_of(section, name, value)
-        return value is not None and spec is not None and value != spec.default
+        if value is None or spec is None:
+            return False
+        default = self.defaults[section].get(name, spec.default)
+        return not (_nearly_equal(value, default) if spec.formula else value == default)
 
     def is_laid_over(self, section: str, name: str) -> bool:
         """Tell whether a value was given in another place than the lines of a file."""
@@ -80,10 +90,10 @@ class Checked:
 
 
 def check_values(given: Given, source: str, problems: list[Problem]) -> Checked:
-    """Check every value by itself and fill in the defaults."""
+    """Check every value by itself and fill in the defaults, but for those of formulas."""
     checked = Checked(source, given, problems)
     for section in SECTIONS:
-        checked.values[section] = {}
+        checked.values[section], checked.defaults[section] = {}, {}
         for name, entry in checked.given.get(section, {}).items():
             _check_entry(checked, section, name, entry)
         for declaration in all_declarations(checked, section):
@@ -122,13 +132,22 @@ def _unknown(checked: Checked, section: str, name: str) -> None:
 def _fill_in(checked: Checked, section: str, declaration: Declaration) -> None:
     name, spec = declaration
     entry = checked.given.get(section, {}).get(name)
-    if entry is None:
+    if entry is None and not spec.formula:
         checked.values[section][name] = spec.default
     if spec.required and name.startswith("zones."):
         value = checked.get(section, name)
         if entry is None or value == []:
             received = "nothing" if entry is None else shown(entry.value)
             checked.complain(section, name, received, spec.requirement, "add it")
+
+
+def _nearly_equal(value: Value, default: Value) -> bool:
+    """Tell whether a default that was written down is that which a formula gives again."""
+    pair = [np.array(v if isinstance(v, list) else [v], dtype=np.float64) for v in (value, default)]
+    largest = max(float(np.abs(v).max(initial=0.0)) for v in pair)
+    return len(pair[0]) == len(pair[1]) and bool(
+        (np.abs(pair[0] - pair[1]) <= _ROUNDING * largest).all()
+    )
 
 
 def plain_values(given: Mapping[str, Mapping[str, Entry]]) -> dict[str, dict[str, Value]]:

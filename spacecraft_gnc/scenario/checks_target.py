@@ -27,8 +27,6 @@ from spacecraft_gnc.types import Array, Matrix3
 _GOVERNOR: Final = "reference_governor"
 _CONTROLLER: Final = "nmpc_controller"
 _NAME: Final = "attitude"
-_BANDWIDTH: Final = 0.05
-"""Of the default gains, in units of 1/period."""
 _ROUNDING: Final = 1e-9  # relative
 
 
@@ -173,18 +171,10 @@ def _check_feedback(checked: Checked) -> None:
 
 def _gains(checked: Checked) -> tuple[Matrix3, Matrix3] | None:
     """Return A and K of the law T = -K Pi - e; None where a value that they need was refused."""
-    inertia = checked.get(_CONTROLLER, "inertia") or checked.get("plant", "inertia")
-    given = [checked.get(_CONTROLLER, f"feedback_{what}_gain") for what in ("attitude", "momentum")]
-    periods = checked.get(_CONTROLLER, "time_step"), checked.get("plant", "time_step")
-    period = periods[0] or periods[1]
-    if not inertia or None in given or not (isinstance(period, float) and period > 0.0):
+    gains = [checked.get(_CONTROLLER, f"feedback_{what}_gain") for what in ("attitude", "momentum")]
+    if None in gains:
         return None
-    bandwidth = _BANDWIDTH / period
-    default = 0.5 * bandwidth**2 * np.array(inertia).reshape(3, 3), 2.0 * bandwidth * np.eye(3)
-    attitude, momentum = (
-        np.array(gain).reshape(3, 3) if gain else standard
-        for gain, standard in zip(given, default, strict=True)
-    )
+    attitude, momentum = (np.array(gain).reshape(3, 3) for gain in gains)
     return attitude, momentum
 
 

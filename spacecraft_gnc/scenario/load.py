@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from spacecraft_gnc.arguments import as_tuple, require_kind, require_path
+from spacecraft_gnc.arguments import require_kind, require_path
 from spacecraft_gnc.scenario.checked import Checked, check_values, plain_values
 from spacecraft_gnc.scenario.checks import check_all
 from spacecraft_gnc.scenario.checks_method import unread_by
 from spacecraft_gnc.scenario.declare import flatten, spec_of, unflatten
+from spacecraft_gnc.scenario.defaults import Stated, fill_in
 from spacecraft_gnc.scenario.node_sections import (
     ROOT,
     add_file,
@@ -19,8 +20,9 @@ from spacecraft_gnc.scenario.node_sections import (
     node_names,
     unread,
 )
+from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.parameter import Value, specs_of, typed
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
+from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, suggestion
 from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.scenario.schema import (
     SECTIONS,
@@ -34,12 +36,9 @@ from spacecraft_gnc.scenario.schema import (
 )
 from spacecraft_gnc.scenario.shipped import find
 from spacecraft_gnc.scenario.values import plain
-from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, parse_value, read
-from spacecraft_gnc.scenario.yaml_scalar import Scalar
+from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, read
 
 _CONTROLLER: Final = "nmpc_controller"
-Overrides = Mapping[str, Any] | Sequence[str]
-"""``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``."""
 
 
 def load(path: str | Path, overrides: Overrides = (), namespace: str | None = None) -> Scenario:
@@ -64,8 +63,9 @@ def load(path: str | Path, overrides: Overrides = (), namespace: str | None = No
     nodes = node_names(namespace_of(sections, str(file)) if namespace is None else namespace)
     given = given_to(sections, nodes, problems)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
-    _apply(overrides, given, problems)
-    return _scenario(given, str(file), problems, _warnings(sections, nodes, str(file)))
+    apply(overrides, given, problems)
+    warnings = _warnings(sections, nodes, str(file)) + _leave_out_unread(given, str(file))
+    return _scenario(given, str(file), problems, warnings)
 
 
 def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, dict[str, Value]]:
@@ -94,7 +94,9 @@ def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, d
 
 
 def from_sections(
-    sections: Mapping[str, Mapping[str, Any]], source: str = "parameters"
+    sections: Mapping[str, Mapping[str, Any]],
+    source: str = "parameters",
+    stated: Stated | None = None,
 ) -> Scenario:
     """Check parameters that are already in memory.
 
@@ -106,6 +108,9 @@ def from_sections(
         plant, and is asked for the inertia only where it needs it.
     source : str
         What to name as the file in problems.
+    stated : mapping, optional
+        Node name -> dotted name -> the default that a flight took, in place of what the formulas
+        give today.
 
     Raises
     ------
@@ -121,7 +126,7 @@ def from_sections(
             problems.append(Problem(source, None, section, "an unknown node", need, remedy))
             continue
         given[section] = _entries(require_kind(section, values, Mapping), source)
-    return _scenario(given, source, problems)
+    return _scenario(given, source, problems, stated=stated)
 
 
 def revise(
@@ -155,20 +160,19 @@ def revise(
     given = _given_along_a_flight(require_kind("scenario", scenario, Scenario))
     problems: list[Problem] = []
     laid_over: Given = {_CONTROLLER: {}}
-    _apply(overrides, laid_over, problems)
+    apply(overrides, laid_over, problems)
     if method is not None:
         laid_over[_CONTROLLER]["method"] = Entry(plain(method), "--method", coerce=True)
     chosen = laid_over[_CONTROLLER].get("method")
     unread: tuple[str, ...] = ()
     if chosen is not None and chosen.value != scenario.controller.method:
-        values = scenario.values[_CONTROLLER]
-        changed = [name for name in given[_CONTROLLER] if values[name] != _default(name, values)]
+        changed = [name for name in given[_CONTROLLER] if not _is_default(scenario, name)]
         unread = tuple(unread_by(str(chosen.value), changed))
     for name in unread:
         del given[_CONTROLLER][name]
     for section, entries in laid_over.items():
         given.setdefault(section, {}).update(entries)
-    return _scenario(given, scenario.path, problems), unread
+    return _scenario(given, scenario.path, problems, stated=scenario.defaults), unread
 
 
 def _given_along_a_flight(scenario: Scenario) -> Given:
@@ -184,9 +188,11 @@ def _given_along_a_flight(scenario: Scenario) -> Given:
     return {name: _entries(values, scenario.path) for name, values in sections.items()}
 
 
-def _default(name: str, values: Mapping[str, Value]) -> Value | None:
-    spec = spec_of(_CONTROLLER, name, values[name])
-    return None if spec is None else spec.default
+def _is_default(scenario: Scenario, name: str) -> bool:
+    value = scenario.values[_CONTROLLER][name]
+    spec = spec_of(_CONTROLLER, name, value)
+    default = None if spec is None else spec.default
+    return value == scenario.defaults[_CONTROLLER].get(name, default)
 
 
 def _entries(values: Mapping[str, Any], source: str) -> dict[str, Entry]:
@@ -204,10 +210,35 @@ def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[s
     return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []
 
 
+def _leave_out_unread(given: Given, file: str) -> list[str]:
+    """Take out of a file what a method that was laid over it does not read, and say so."""
+    controller = given.get(_CONTROLLER, {})
+    method = controller.get("method")
+    if method is None or method.line is not None:
+        return []
+    written = [n for n, entry in controller.items() if entry.line is not None and _says(n, entry)]
+    names = list(unread_by(str(method.value), written))
+    for name in names:
+        del controller[name]
+    listed = ", ".join(names)
+    return [f"{file}: not read by method {method.value}: {listed}"] if names else []
+
+
+def _says(name: str, entry: Entry) -> bool:
+    """Tell whether a value of the controller is another than a default that is always the same."""
+    spec = spec_of(_CONTROLLER, name, entry.value)
+    return spec is None or bool(spec.formula) or entry.value != spec.default
+
+
 def _scenario(
-    given: Given, source: str, problems: list[Problem], warnings: Sequence[str] = ()
+    given: Given,
+    source: str,
+    problems: list[Problem],
+    warnings: Sequence[str] = (),
+    stated: Stated | None = None,
 ) -> Scenario:
     checked = check_values(given, source, problems)
+    fill_in(checked, stated or {})
     check_all(checked)
     if problems:
         raise InvalidScenario(sorted(problems, key=_place))
@@ -222,6 +253,7 @@ def _scenario(
         path=source,
         sections={section: unflatten(values) for section, values in sections.items()},
         values=checked.values,
+        defaults=checked.defaults,
         warnings=(*warnings, *checked.warnings),
     )
 
@@ -255,47 +287,3 @@ def _typed(parameters: type, checked: Checked, section: str) -> dict[str, Any]:
     if section != "launcher":
         fields["plugin"] = checked.plugin(section)
     return fields
-
-
-def _apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
-    """Lay overrides over what the file gives."""
-    written: dict[str, str] = {}
-    if isinstance(overrides, Mapping):
-        values = flatten(overrides)
-    else:
-        values = {}
-        for i, text in enumerate(as_tuple("overrides", overrides, "NODE.PARAMETER=VALUE")):
-            require_kind(f"overrides[{i}]", text, str)
-            values |= _parse_override(text, problems)
-            key, _, value_text = text.partition("=")
-            written[key.strip()] = value_text.strip()
-    for key, value in values.items():
-        if value is None:  # as in `from_sections`: not given
-            continue
-        section, _, name = key.partition(".")
-        if section not in SECTIONS or not name:
-            need = f"NODE.PARAMETER with a node out of {', '.join(SECTIONS)}"
-            remedy = suggestion(section, tuple(SECTIONS))
-            problems.append(Problem("--set", None, key, shown(plain(value)), need, remedy))
-            continue
-        as_written = written.get(key) if isinstance(value, Scalar) else None
-        entry = Entry(plain(value), "--set", coerce=True, written=as_written)
-        given.setdefault(section, {})[name] = entry
-
-
-def _parse_override(text: str, problems: list[Problem]) -> dict[str, Any]:
-    key, equals, value = text.partition("=")
-    key = key.strip()
-    if not equals or not key:
-        remedy = "write for example --set plant.duration=10.0"
-        problems.append(Problem("--set", None, "", shown(text), "NODE.PARAMETER=VALUE", remedy))
-        return {}
-    try:
-        parsed = parse_value(value)
-    except ValueError as error:
-        requirement, _, remedy = str(error).partition("; ")
-        problems.append(Problem("--set", None, key, shown(value), requirement, remedy))
-        return {}
-    if isinstance(parsed, dict):
-        return {f"{key}.{name}": item for name, item in parsed.items()}
-    return {key: parsed}

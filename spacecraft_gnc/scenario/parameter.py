@@ -22,6 +22,10 @@ LARGEST: Final = 1e15
 """Of a momentum or a torque, in SI units: far more than any spacecraft has, and so little that
 fourth powers, times the largest weight, stay numbers of double precision."""
 LARGEST_WEIGHT: Final = 1e60
+LONGEST: Final = 2**31 - 1.0
+"""[s] of simulated time: ROS 2 counts its seconds in 32 bits."""
+SHORTEST: Final = 1e-6
+"""[s] between two steps: ROS 2 stamps count nanoseconds, of which a period is a whole number."""
 WITHIN: Final = {"minimum": -LARGEST, "maximum": LARGEST}
 """Range of a component of a vector or of an actuator matrix."""
 ANGLES: Final = {"minimum": -1e3, "maximum": 1e3}
@@ -83,6 +87,9 @@ class ParameterSpec:
     unique: bool = False
     """No element may appear twice."""
     matrix: MatrixRule = MatrixRule.NONE
+    formula: str = ""
+    """How the default follows from other values, in words; `defaults` works it out in a scenario.
+    Where there is none, ``default`` stands for it."""
     read_only: bool = True
     """The value is fixed once the node is configured."""
 

@@ -46,6 +46,8 @@ class Scenario:
         What was given, by section, nested as in the file, with overrides and wildcards merged in.
     values : mapping
         Every parameter by section and dotted name in its ROS 2 form, defaults included.
+    defaults : mapping
+        The defaults that follow from other values, likewise, also of those that were given.
     warnings : tuple of str
         What to know before it flies, one line each.
     """
@@ -58,6 +60,7 @@ class Scenario:
     path: str
     sections: Mapping[str, Mapping[str, Any]]
     values: Mapping[str, Mapping[str, Value]]
+    defaults: Mapping[str, Mapping[str, Value]]
     warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -158,6 +161,16 @@ class Scenario:
         if not defaults:
             return sections_to_yaml(self.sections)
         return sections_to_yaml({s: unflatten(values) for s, values in self.values.items()})
+
+    def stated_defaults(self) -> str:
+        """Return, likewise, the defaults that formulas gave for what was not given."""
+        given = {section: flatten(values) for section, values in self.sections.items()}
+        taken = {
+            section: {n: v for n, v in defaults.items() if not given.get(section, {}).get(n, [])}
+            for section, defaults in self.defaults.items()
+        }
+        told = sections_to_yaml({s: unflatten(values) for s, values in taken.items()})
+        return f"# Defaults that formulas gave (docs/scenario.md).\n{told.lstrip()}"
 
     def _create(self, group: str, name: str) -> Any:
         try:

@@ -1,8 +1,8 @@
 """Every parameter of every node, declared once: type, default, unit, range, description.
 
-The defaults are the spacecraft and the controller of Gupta et al. (2015), Case I, except for the
-inertia, which has none. Angles are in radians unless the name ends in ``_deg``; matrices are
-row-major; vectors are in the body frame unless the name says otherwise.
+What carries units has a formula as its default: it follows from the inertia, the torque limit and
+the wanted settling time (`defaults`). Angles are in radians unless the name ends in ``_deg``;
+matrices are row-major; vectors are in the body frame unless the name says otherwise.
 """
 
 from __future__ import annotations
@@ -14,17 +14,16 @@ from typing import Final
 from spacecraft_gnc.scenario.parameter import (
     ANGLES,
     LARGEST,
+    LONGEST,
+    SHORTEST,
     WITHIN,
     Kind,
     MatrixRule,
     NodeParameters,
     parameter,
 )
-from spacecraft_gnc.scenario.schema_controller import (
-    ControllerParameters,
-    WeightParameters,
-    ZoneParameters,
-)
+from spacecraft_gnc.scenario.schema_controller import ControllerParameters
+from spacecraft_gnc.scenario.schema_cost import WeightParameters, ZoneParameters
 from spacecraft_gnc.types import Matrix3, Vector3
 
 __all__ = [
@@ -38,11 +37,6 @@ __all__ = [
     "WeightParameters",
     "ZoneParameters",
 ]
-
-LONGEST: Final = 2**31 - 1.0
-"""[s] of simulated time: ROS 2 counts its seconds in 32 bits."""
-SHORTEST: Final = 1e-6
-"""[s] between two steps: ROS 2 stamps count nanoseconds, of which a period is a whole number."""
 
 NODE_NAMES: Final = ("plant", "nmpc_controller", "reference_governor", "recorder")
 
@@ -66,15 +60,23 @@ class PlantParameters(NodeParameters):
         may_be_empty=True,
     )
     time_step: float = parameter(
-        Kind.DOUBLE, 0.4, "step of the integrator", unit="s", minimum=SHORTEST, maximum=LONGEST
+        Kind.DOUBLE,
+        1.0,
+        "step of the integrator",
+        unit="s",
+        minimum=SHORTEST,
+        maximum=LONGEST,
+        formula="nmpc_controller.time_step, where that is given; else settling_time / 80, at most "
+        "J_d / (2 (J_max omega + |Pi_0|)), and that at least settling_time / 80000, in whole ns",
     )
     duration: float = parameter(
         Kind.DOUBLE,
-        150.0,
+        3.0,
         "simulated time; a last fraction of a control period is not flown",
         unit="s",
         minimum=SHORTEST,
         maximum=LONGEST,
+        formula="3 settling_time + 2 |Pi_0| / U, the second term with a torque limit only",
     )
     initial_rotation_vector: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -238,10 +240,11 @@ class GovernorParameters(NodeParameters):
     )
     slew_rate_tolerance: float = parameter(
         Kind.DOUBLE,
-        1.0e-3,
+        1.0,
         "body rate under which a slew has arrived",
         unit="rad/s",
         above=0.0,
+        formula="slew_tolerance_deg pi / 180 omega",
     )
 
 

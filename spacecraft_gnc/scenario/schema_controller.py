@@ -1,4 +1,4 @@
-"""The parameters of ``nmpc_controller``: torque law, cost, limits and pointing zones."""
+"""The parameters of ``nmpc_controller``: torque law, horizon and limits."""
 
 from __future__ import annotations
 
@@ -8,126 +8,16 @@ from spacecraft_gnc.scenario.parameter import (
     ANGLES,
     LARGEST,
     LARGEST_WEIGHT,
+    LONGEST,
+    SHORTEST,
     WITHIN,
     Kind,
     MatrixRule,
     NodeParameters,
     parameter,
 )
+from spacecraft_gnc.scenario.schema_cost import WeightParameters, ZoneParameters
 from spacecraft_gnc.types import Array, Matrix3, Vector3
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class WeightParameters:
-    """Weights of the cost; (3, 3) each, a scalar s in the file stands for s I."""
-
-    stage_attitude: Matrix3 = parameter(
-        Kind.DYNAMIC,
-        0.01,
-        "stage weight on the attitude error",
-        shape=(3, 3),
-        matrix=MatrixRule.SEMIDEFINITE,
-        minimum=0.0,
-        maximum=LARGEST_WEIGHT,
-    )
-    stage_momentum: Matrix3 = parameter(
-        Kind.DYNAMIC,
-        0.01,
-        "stage weight on the angular momentum",
-        unit="(N m s)^-2",
-        shape=(3, 3),
-        matrix=MatrixRule.SEMIDEFINITE,
-        minimum=0.0,
-        maximum=LARGEST_WEIGHT,
-    )
-    stage_torque: Matrix3 = parameter(
-        Kind.DYNAMIC,
-        1.0,
-        "stage weight on the torque",
-        unit="(N m)^-2",
-        shape=(3, 3),
-        matrix=MatrixRule.DEFINITE,
-        above=0.0,
-        maximum=LARGEST_WEIGHT,
-    )
-    stage_rate: Matrix3 = parameter(
-        Kind.DYNAMIC,
-        0.0,
-        "terminal_set: stage weight on the rotation of one step, Q_2 of tr(Q_2 (I - F)) / h^2",
-        unit="s^2/rad^2",
-        shape=(3, 3),
-        matrix=MatrixRule.SEMIDEFINITE,
-        minimum=0.0,
-        maximum=LARGEST_WEIGHT,
-    )
-    terminal_attitude: Matrix3 = parameter(
-        Kind.DYNAMIC,
-        0.01,
-        "terminal weight on the attitude error",
-        shape=(3, 3),
-        matrix=MatrixRule.SEMIDEFINITE,
-        minimum=0.0,
-        maximum=LARGEST_WEIGHT,
-    )
-    terminal_momentum: Matrix3 = parameter(
-        Kind.DYNAMIC,
-        0.01,
-        "terminal weight on the angular momentum",
-        unit="(N m s)^-2",
-        shape=(3, 3),
-        matrix=MatrixRule.SEMIDEFINITE,
-        minimum=0.0,
-        maximum=LARGEST_WEIGHT,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ZoneParameters:
-    """One pointing zone: a cone that a body axis must stay out of, or inside."""
-
-    name: str
-    kind: str = parameter(
-        Kind.STRING,
-        "exclusion",
-        "exclusion: stay out of the cone; inclusion: stay inside",
-        choices=("exclusion", "inclusion"),
-    )
-    body_axis: Vector3 = parameter(
-        Kind.DOUBLE_ARRAY,
-        [],
-        "axis of the instrument, body frame (normalised)",
-        shape=(3,),
-        nonzero=True,
-        required=True,
-        may_be_empty=True,
-        **WITHIN,
-    )
-    inertial_axis: Vector3 = parameter(
-        Kind.DOUBLE_ARRAY,
-        [],
-        "axis of the cone, inertial frame (normalised)",
-        shape=(3,),
-        nonzero=True,
-        required=True,
-        may_be_empty=True,
-        **WITHIN,
-    )
-    half_angle_deg: float = parameter(
-        Kind.DOUBLE,
-        0.0,
-        "half-angle of the cone",
-        unit="deg",
-        above=0.0,
-        below=180.0,
-        required=True,
-    )
-    penalty: float = parameter(
-        Kind.DOUBLE,
-        1000.0,
-        "weight of the soft constraint in the cost",
-        above=0.0,
-        maximum=LARGEST_WEIGHT,
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -154,8 +44,25 @@ class ControllerParameters(NodeParameters):
         matrix=MatrixRule.INERTIA,
         may_be_empty=True,
     )
+    settling_time: float = parameter(
+        Kind.DOUBLE,
+        1.0,
+        "time in which a turn of 30 deg is to settle to 0.1 deg; what is not given of weights and "
+        "gains follows from it",
+        unit="s",
+        minimum=SHORTEST,
+        maximum=LONGEST,
+        formula="4 sqrt(J_max / U), at least 40 periods h that are given; without a torque limit "
+        "80 h, and 60 s where no h is given",
+    )
     horizon: int = parameter(
-        Kind.INTEGER, 5, "prediction horizon", unit="steps", minimum=1, maximum=10_000
+        Kind.INTEGER,
+        5,
+        "prediction horizon",
+        unit="steps",
+        minimum=1,
+        maximum=10_000,
+        formula="settling_time / (4 h), 5 to 60",
     )
     actuators: Array = parameter(
         Kind.DOUBLE_ARRAY,
@@ -168,7 +75,7 @@ class ControllerParameters(NodeParameters):
     )
     max_torque: float = parameter(
         Kind.DOUBLE,
-        0.01,
+        0.0,
         "largest norm of the actuator commands u (of the torque, without actuators); 0: no limit",
         unit="N m",
         minimum=0.0,
@@ -181,6 +88,7 @@ class ControllerParameters(NodeParameters):
         unit="(N m)^-4",
         above=0.0,
         maximum=LARGEST_WEIGHT,
+        formula="1e6 S / U^2 max(1, J_max omega^2 / (4 U)), U = u_0 without a limit",
     )
     zone_names: tuple[str, ...] = parameter(
         Kind.STRING_ARRAY,
@@ -270,23 +178,25 @@ class ControllerParameters(NodeParameters):
     )
     feedback_attitude_gain: Matrix3 = parameter(
         Kind.DOUBLE_ARRAY,
-        [],
-        "feedback: gain A on the attitude error; empty: J omega^2 / 2, omega = 0.05 / time_step",
+        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        "feedback: gain A on the attitude error",
         unit="N m",
         shape=(3, 3),
         matrix=MatrixRule.DEFINITE,
         maximum=LARGEST,
         may_be_empty=True,
+        formula="omega^2 (0.501 tr(J) I - J)",
     )
     feedback_momentum_gain: Matrix3 = parameter(
         Kind.DOUBLE_ARRAY,
-        [],
-        "feedback: gain K on the angular momentum; empty: 2 omega I",
+        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        "feedback: gain K on the angular momentum",
         unit="1/s",
         shape=(3, 3),
         matrix=MatrixRule.DEFINITE,
         maximum=LARGEST,
         may_be_empty=True,
+        formula="2 omega I",
     )
     terminal_set: str = parameter(
         Kind.STRING,

@@ -67,7 +67,7 @@ def test_the_pd_behind_the_governor_keeps_both():
     [
         ({}, 105.2, None, 0.0551),
         ({"nmpc_controller.horizon": 40}, 20.8, 26.8, 0.0366),
-        ({"nmpc_controller.method": "feedback"}, 46.8, 79.2, 0.0554),
+        ({"nmpc_controller.method": "feedback"}, 29.2, 41.6, 0.0421),
         (pd(0.32, 0.8), 20.4, 25.6, 0.0366),
     ],
     ids=["paper", "N = 40", "PD", "tuned PD"],

@@ -7,7 +7,6 @@ import pytest
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Reference, Source, State
-from spacecraft_gnc.loop.controllers import ShootingController
 from spacecraft_gnc.loop.feedback import FeedbackController
 from spacecraft_gnc.scenario import from_sections, load
 from spacecraft_gnc.scenario.shipped import shipped
@@ -29,15 +28,17 @@ def test_gains_and_limit_are_those_of_the_scenario():
     assert np.linalg.norm(command.torque) == pytest.approx(0.05)
 
 
-def test_its_default_gains_are_those_of_the_failure_ladder():
-    sections = {"plant": {"inertia": INERTIA}}
-    ladder = from_sections(sections).build_controller()
-    assert isinstance(ladder, ShootingController)
-    fallback = ladder._ladder.command(START, TARGET, None)
-    assert fallback.source is Source.FEEDBACK
-    controller = from_sections({**sections, "nmpc_controller": {"method": "feedback"}})
-    torque = controller.build_controller().command(START, TARGET).torque
-    assert torque == pytest.approx(fallback.torque, abs=1e-16)
+def test_its_default_gains_settle_in_the_wanted_time():
+    """Critically damped about each axis; 0.1 % keeps the gain of a flat body definite."""
+    sections = {"plant": {"inertia": INERTIA}, "nmpc_controller": {"method": "feedback"}}
+    scenario = from_sections(sections)
+    law = scenario.build_controller().feedback
+    omega = 8.0 / scenario.controller.settling_time
+    inertia = np.array(INERTIA).reshape(3, 3)
+    assert law.stiffness == pytest.approx(
+        omega**2 * (inertia + 0.002 * np.trace(inertia) * np.eye(3))
+    )
+    assert law.momentum_gain == pytest.approx(2.0 * omega * np.eye(3))
 
 
 def test_a_state_or_reference_that_is_none_gives_zero_torque_and_no_exception():

@@ -84,8 +84,9 @@ def test_who_reads_what(method: str, name: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_a_default_that_is_stated_is_no_fault(method: str) -> None:
     """The launcher states all of them in the file that it hands to the nodes."""
-    stated = {d.name: d.spec.default for d in declarations("nmpc_controller")}
-    assert problems(**{**stated, "method": method}) == []
+    sections = {"plant": {"inertia": INERTIA}, "nmpc_controller": {"method": method}}
+    stated = from_sections(sections).values["nmpc_controller"]
+    assert problems(**stated) == []
 
 
 @pytest.mark.parametrize("name", ["nominal_momentum", "exact_every"])

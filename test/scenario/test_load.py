@@ -64,7 +64,10 @@ def test_the_controller_takes_over_from_the_plant() -> None:
 def test_the_controller_may_believe_otherwise() -> None:
     own = [1.1, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
     scenario = from_sections(
-        {"plant": {"inertia": INERTIA}, "nmpc_controller": {"inertia": own, "time_step": 0.8}}
+        {
+            "plant": {"inertia": INERTIA, "time_step": 0.4},
+            "nmpc_controller": {"inertia": own, "time_step": 0.8},
+        }
     )
     assert scenario.controller.inertia[0, 0] == 1.1
     assert (scenario.substeps, scenario.period) == (2, 0.8)

@@ -15,7 +15,11 @@ from spacecraft_gnc.recording._metadata import RECOVERED_RECORD
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, iter_columns, read_columns
 from spacecraft_gnc.recording.reader import acted, whole_steps
-from spacecraft_gnc.recording.run_info import SCENARIO_ATTACHMENT, parse_scenario
+from spacecraft_gnc.recording.run_info import (
+    SCENARIO_ATTACHMENT,
+    parse_scenario,
+    scenario_texts,
+)
 from spacecraft_gnc.recording.steps import (
     ACCEPTED_TARGET,
     GOVERNOR_STATUS,
@@ -113,8 +117,9 @@ def read_evidence(
     """
     columns = read_columns(bag, [*KEPT, SOLVER_STATUS], namespace, progress, leave_out=PLANS)
     whole_steps(bag, columns, acted(columns))  # refuses what is no flight
-    text = bag.attachments().get(SCENARIO_ATTACHMENT, b"").decode(errors="replace")
-    scenario, problem = parse_scenario(text, bag.path, flight_namespace(bag, namespace))
+    text, defaults = scenario_texts(bag.attachments())
+    name = flight_namespace(bag, namespace)
+    scenario, problem = parse_scenario(text, bag.path, name, defaults)
     if scenario is None:
         reason = problem or "none is attached"
         raise RecordingError(
