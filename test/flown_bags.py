@@ -8,6 +8,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
+import case_1
 import numpy as np
 from mcap.reader import make_reader
 from recording.bags import CODEC, announce
@@ -18,17 +19,17 @@ from spacecraft_gnc.ocp.assembly import assemble
 from spacecraft_gnc.ocp.rollout import Horizon
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.scenario.declare import flatten, unflatten
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "plant": {
-        "inertia": [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8],
-        "time_step": 0.4,
+        **case_1.PLANT,
         "duration": 4.8,
         "initial_rotation_vector": [0.25, 0.5, 0.5],
         "initial_momentum": [0.01, 0.0, -0.02],
     },
-    "nmpc_controller": {"max_torque": 0.01},
+    "nmpc_controller": case_1.controller(),
 }
 """Twelve steps of Case I of Gupta et al. 2015, moving from the start."""
 
@@ -38,7 +39,13 @@ def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     merged = copy.deepcopy(SECTIONS)
     for name, values in changes.items():
         merged.setdefault(name, {}).update(values)
+    merged["nmpc_controller"] = case_1.controller(**changes.get("nmpc_controller", {}))
     return merged
+
+
+def nested(flat: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Return sections as a file has them."""
+    return {name: unflatten(flatten(values)) for name, values in flat.items()}
 
 
 def fly(
@@ -67,7 +74,10 @@ def fly(
         announce(bag)
         name = "spacecraft_gnc_msgs/msg/WallTiming"
         bag.add_topic("/wall_timing", name, CODEC.texts[name])
-        bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(claimed or flown).encode())
+        told = flown if claimed is None else claimed
+        bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(nested(told)).encode())
+        taken = from_sections(told).stated_defaults()
+        bag.attach("defaults.yaml", "application/yaml", taken.encode())
         recorder = _Recorder(bag, scenario.period)
         loop = scenario.build()
         for core in (loop.plant, loop.controller, loop.governor):

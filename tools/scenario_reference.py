@@ -82,7 +82,8 @@ scenario, `gnc launch` writes them into the `scenario.yaml` that it saves, and a
 | symbol | is |
 |---|---|
 | J, tr(J) | inertia that the controller believes, its trace |
-| J_max | its largest principal moment; with actuators sqrt of the largest eigenvalue of J V J, V = (B B^T)^-1 |
+| J_1 | its largest principal moment |
+| J_max | the same; with actuators sqrt of the largest eigenvalue of J V J, V = (B B^T)^-1 |
 | J_d | smallest eigenvalue of tr(J)/2 I - J |
 | U | `nmpc_controller.max_torque` |
 | omega | 8 / `settling_time` [rad/s]: (1 + 8) e^-8 is 0.1 deg of 30 deg |

@@ -78,8 +78,9 @@ class Values:
 
     @property
     def largest_momentum(self) -> float:
-        """J_max omega + |Pi_0| [N m s]: about the largest of a slew."""
-        return self.largest_moment * self.bandwidth + self.momentum
+        """J_1 omega + |Pi_0| [N m s] of the largest principal moment J_1: that of a fast slew."""
+        largest = float(np.linalg.eigvalsh(self.inertia)[-1])
+        return largest * self.bandwidth + self.momentum
 
     @property
     def momentum(self) -> float:

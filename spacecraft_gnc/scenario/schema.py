@@ -67,7 +67,7 @@ class PlantParameters(NodeParameters):
         minimum=SHORTEST,
         maximum=LONGEST,
         formula="nmpc_controller.time_step, where that is given; else settling_time / 80, at most "
-        "J_d / (2 (J_max omega + |Pi_0|)), and that at least settling_time / 80000, in whole ns",
+        "J_d / (2 (J_1 omega + |Pi_0|)), and that at least settling_time / 80000, in whole ns",
     )
     duration: float = parameter(
         Kind.DOUBLE,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import case_1
 import numpy as np
 
 from spacecraft_gnc.loop.trajectory import Trajectory
@@ -54,9 +55,8 @@ def at_rest(n=20, **replaced):
 def scenario(zones=None, **controller):
     """Return Case I's scenario, with pointing zones by name."""
     zones = zones or {}
-    inertia = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
-    section = {"zone_names": list(zones), "zones": zones, **controller}
-    return from_sections({"plant": {"inertia": inertia}, "nmpc_controller": section})
+    section = {"zone_names": list(zones), "zones": zones, **case_1.controller(**controller)}
+    return from_sections({"plant": case_1.PLANT, "nmpc_controller": section})
 
 
 def zone(axis, half_angle_deg, kind="exclusion"):
