@@ -48,6 +48,13 @@ def nested(flat: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     return {name: unflatten(flatten(values)) for name, values in flat.items()}
 
 
+def tell(bag: BagWriter, flat: Mapping[str, Mapping[str, Any]]) -> None:
+    """Attach sections and the defaults that they take."""
+    bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(nested(flat)).encode())
+    taken = from_sections(flat).stated_defaults()
+    bag.attach("defaults.yaml", "application/yaml", taken.encode())
+
+
 def fly(
     folder: Path,
     flown: Mapping[str, Mapping[str, Any]] = SECTIONS,
@@ -74,10 +81,7 @@ def fly(
         announce(bag)
         name = "spacecraft_gnc_msgs/msg/WallTiming"
         bag.add_topic("/wall_timing", name, CODEC.texts[name])
-        told = flown if claimed is None else claimed
-        bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(nested(told)).encode())
-        taken = from_sections(told).stated_defaults()
-        bag.attach("defaults.yaml", "application/yaml", taken.encode())
+        tell(bag, flown if claimed is None else claimed)
         recorder = _Recorder(bag, scenario.period)
         loop = scenario.build()
         for core in (loop.plant, loop.controller, loop.governor):

@@ -81,7 +81,7 @@ def test_no_plan_is_cheaper_than_the_recorded_optimum():
         again = answered(scenario, flight, method, overrides, steps=(0, 12))
         assert again.first_difference is not None
         assert again.cost_difference.min() > -1e-15  # rounding of a cost of 0.02
-        assert again.cost_difference.max() > 1e-13
+        assert again.cost_difference.max() > 1e-15
 
 
 def test_other_solvers_of_the_same_problem_agree():
@@ -138,7 +138,7 @@ def test_a_looser_limit_is_priced_with_its_penalty():
 
 def test_the_plan_of_a_failed_solve_is_not_priced():
     scenario, flight = flown()
-    changes = {"nmpc_controller.residual_tolerance": 1e-30, "nmpc_controller.max_torque": 0.02}
+    changes = {"nmpc_controller.max_iterations": 1, "nmpc_controller.continuation": "none"}
     again = answered(scenario, flight, overrides=changes, steps=(0, 8))
     failed = again.replayed.status != 0
     assert failed.any()
@@ -163,9 +163,10 @@ def test_history_begins_at_the_first_step_solved():
 
 
 def test_a_cold_start_takes_more_iterations():
-    scenario, flight = flown()
+    scenario = load(CASE1, SHORT | {"nmpc_controller.horizon": 20})
+    flight = scenario.build().run()
     cold = resolve(flight, scenario, scenario, cold=True)
-    assert cold.replayed.iterations.sum() > flight.iterations.sum()
+    assert cold.replayed.iterations.sum() > 1.2 * flight.iterations.sum()
     assert cold.torque_difference.max() < 1e-10
 
 
@@ -200,7 +201,8 @@ def test_another_control_period_is_refused():
 
 def test_a_failed_step_is_counted():
     scenario, flight = flown()
-    revised, _ = revise(scenario, {"nmpc_controller.residual_tolerance": 1e-30})
+    few = {"nmpc_controller.max_iterations": 1, "nmpc_controller.continuation": "none"}
+    revised, _ = revise(scenario, few)
     again = resolve(flight, scenario, revised)
     assert compare(again, scenario, revised)["replayed"]["unconverged_steps"] > 0
 
