@@ -1,9 +1,10 @@
 """Where single shooting loses its accuracy, what the backward sweep costs, what certificates cost.
 
-python benchmarks/horizons.py
+python benchmarks/horizons.py [--jumps]
 
 The spacecraft, weights and limit of Gupta's Case I, with other horizons. Times are medians of warm
-solves along 200 steps of the closed loop, the best of five flights.
+solves along 200 steps of the closed loop, the best of five flights. ``--jumps``: solves from states
+that have nothing to do with one another, warm, cold, and by the automatic continuation.
 """
 
 from __future__ import annotations
@@ -16,7 +17,15 @@ import numpy as np
 from numba import njit
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.ocp import AttitudeOcp, ShootingOptions, ShootingSolver, Status, Weights
+from spacecraft_gnc.ocp import (
+    AttitudeOcp,
+    AutomaticContinuation,
+    ShootingOptions,
+    ShootingSolver,
+    Status,
+    Weights,
+    cheapest,
+)
 from spacecraft_gnc.ocp._solve_kernels import summarise
 from spacecraft_gnc.ocp._sweep_kernels import smallest_pivot
 from spacecraft_gnc.ocp.linearization import factorization
@@ -25,6 +34,7 @@ HORIZONS = (1, 2, 5, 10, 20, 40, 60, 80, 100)
 START = lie.exp(np.array([0.25, 0.5, 0.5]))
 REPEATS = 5
 CALLS = 100_000
+DEARER = 1.0 + 1e-6
 
 
 def problem(horizon: int) -> AttitudeOcp:
@@ -93,8 +103,40 @@ def certificates() -> tuple[float, float]:
     return best, min(fly(solver)[0] for _ in range(REPEATS))
 
 
+def jumps(horizon: int, count: int) -> str:
+    """One line of the table of state jumps."""
+    ocp = problem(horizon)
+    solver, way = ShootingSolver(ocp), AutomaticContinuation(ocp)
+    rng, warm, counts, times = np.random.default_rng(3), None, Counter[str](), []
+    for _ in range(count):
+        state = lie.exp(1.2 * rng.normal(size=3)), 0.05 * rng.normal(size=3)
+        cold, plain = solver.solve(*state), solver.solve(*state, None, warm)
+        begun = perf_counter()
+        found = plain if plain.converged else cold
+        if not found.converged or found.iterations > way.patience:
+            found = cheapest((found, way.solve(*state)))
+        times.append(perf_counter() - begun + plain.solve_time)
+        counts["cold"] += cold.converged
+        counts["warm"] += plain.converged
+        counts["dear"] += plain.converged and cold.converged and plain.cost > DEARER * cold.cost
+        counts["auto"] += found.converged
+        counts["worse"] += cold.converged and found.cost > DEARER * cold.cost
+        warm = found.warm_start
+    numbers = [counts[name] for name in ("warm", "dear", "cold", "auto", "worse")]
+    cells = [horizon, count, *numbers, f"{1e3 * np.median(times):.3g} ms"]
+    return "| " + " | ".join(map(str, cells)) + " |"
+
+
 def main() -> int:
     """Print the tables."""
+    if sys.argv[1:] == ["--jumps"]:
+        names = ("N", "jumps", "solved warm", "of these dearer than cold", "solved cold")
+        names += ("solved as flown", "of these dearer than cold", "median time")
+        print("| " + " | ".join(names) + " |")
+        print("|---|---|---|---|---|---|---|---|")
+        for horizon, count in ((5, 200), (20, 200), (100, 200), (300, 100)):
+            print(jumps(horizon, count), flush=True)
+        return 0
     print("warm solves; steps of 200 not solved; single shooting cold: its error in u, or status")
     print("   N  cold   sweep us  fail    single us  fail  single, cold start")
     for horizon in HORIZONS:
