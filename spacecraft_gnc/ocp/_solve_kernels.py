@@ -128,6 +128,21 @@ def repeat_last(lam):
 
 
 @kernel
+def leave_no_plan(R, Pi, u, lam, margins):
+    """Fill everything but the first state with NaN: a rollout that broke off left it as it was."""
+    for k in range(u.shape[0]):
+        for i in range(3):
+            u[k, i] = Pi[k + 1, i] = math.nan
+            for j in range(3):
+                R[k + 1, i, j] = math.nan
+    for k in range(lam.shape[0]):
+        for i in range(6):
+            lam[k, i] = math.nan
+    for i in range(margins.shape[0]):
+        margins[i] = math.nan
+
+
+@kernel
 def carve(arena, N, n_zones):
     """Cut the arena into (body, data, zones, track), W, (guess, trial, resid, step, fac), rest."""
     m = int(arena[BODY_SIZE + M_U])
@@ -222,6 +237,7 @@ def solve(
     if status != CONVERGED:
         kept[0], kept[2] = 0, 0
     if not math.isfinite(norm):
+        leave_no_plan(R, Pi, u, lam, margins)
         return status, steps, norm, nan, nan, nan, nan, nan
     repeat_last(lam)
     cost = horizon_cost(problem[1], problem[2], problem[3], R, Pi, W)

@@ -224,3 +224,18 @@ def test_failures_are_statuses_not_exceptions(case_1):
 def test_wrong_inputs_raise_and_name_the_argument(case_1, arguments, error, words):
     with pytest.raises(error, match=words):
         ShootingSolver(case_1[0]).solve(*arguments)
+
+
+def test_a_rollout_that_breaks_off_leaves_no_numbers_of_earlier_uses():
+    """Its memory is new: whatever stood there before would be published, and start a solve."""
+    solver = ShootingSolver(AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 5, max_torque=0.01))
+    fast = np.array([50.0, 0.0, 0.0])  # Kalabic (3) has no step
+    found = solver.solve(np.eye(3), fast)
+    assert found.status is Status.UNSOLVABLE_STEP
+    assert np.array_equal(found.attitudes[0], np.eye(3))
+    assert np.array_equal(found.momenta[0], fast)
+    for rest in (found.attitudes[1:], found.momenta[1:], found.torques, found.multipliers):
+        assert np.isnan(rest).all()
+    many = solver.solve_batch(np.eye(3)[None], fast[None])
+    assert np.isnan(many.torques).all()
+    assert np.isnan(many.costates).all()
