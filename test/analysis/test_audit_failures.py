@@ -278,6 +278,29 @@ def test_a_plan_by_another_formulation_than_the_methods_is_caught(tmp_path):
         assert found.first == (0, "solver_status.formulation")
 
 
+@pytest.mark.parametrize("failing", [(), {3}], ids=["real", "forged"])
+def test_the_chord_is_repeated_along_the_whole_flight(tmp_path, failing):
+    """It goes on with a factorization of earlier steps, so no step can be solved by itself."""
+    chord = sections(
+        plant=SPUN["plant"],
+        nmpc_controller={"step_rule": "chord", "max_iterations": 3, "continuation": "none"},
+    )
+    flown = fly(tmp_path, chord, failing=failing)
+    failed = sum(status is Status.MAX_ITERATIONS for status in statuses_of(flown))
+    audit = audit_bag(flown)
+    counts = audit.counts
+    assert (audit.first is None) == (not failing)
+    assert counts.solves_repeated == failed > 0
+    assert counts.failures_confirmed == failed - len(failing)
+    lost = [
+        item for item in messages_of(flown)
+        if not (item[0] == "/attitude_state" and step_of(item[2]) == 1)
+    ]  # fmt: skip
+    audit = audit_bag(rewrite(flown, tmp_path / "lost", lost))
+    assert audit.counts.solves_repeated == 0
+    assert f"{failed} not solved again: messages before them" in line(audit, FAILURES).note
+
+
 # What cannot be done.
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.analysis.audit.certificate import CORRECTED
 from spacecraft_gnc.analysis.audit.plans import HARD, TERMINAL, Certifier, Plans
-from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, restored, sample
+from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, Sample, restored, sample
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.analysis.audit.counts import Counts
     from spacecraft_gnc.analysis.audit.evidence import Evidence
     from spacecraft_gnc.analysis.audit.ledger import Ledger
-    from spacecraft_gnc.loop.protocols import Reference, State
+    from spacecraft_gnc.loop.protocols import Command, Reference, State
     from spacecraft_gnc.recording.columns import Columns
     from spacecraft_gnc.types import Array
 
@@ -43,6 +43,8 @@ class _Solving(Protocol):
     def solve(
         self, state: State, reference: Reference, warm_start: Array | None
     ) -> Solution | None: ...
+
+    def command(self, state: State, reference: Reference) -> Command: ...
 
 
 class _Before(NamedTuple):
@@ -82,8 +84,11 @@ class FailureAudit:
     ) -> None:
         self._evidence, self._certifier, self._certificate = evidence, certifier, certificate
         self._ledger, self._counts = ledger, counts
-        # the chord goes on with a factorisation of earlier steps, which no bag holds
-        self._any = any_failure or evidence.scenario.controller.step_rule == "chord"
+        # the chord goes on with a factorization of earlier steps: the whole flight is repeated
+        self._along = evidence.scenario.controller.step_rule == "chord"
+        self._any = any_failure or self._along
+        self._repeated = 0
+        self._unrepeatable = 0
         self._controller: _Solving | None = None
         self._last: _Before | None = None
         self._refuted: tuple[int, str] | None = None
@@ -139,8 +144,11 @@ class FailureAudit:
 
     def _again(self, step: int, claimed: int, before: _Before | None) -> None:
         found, counts = sample(self._evidence, step), self._counts
-        controller, warm = self._started(step, before)
-        again = controller.solve(found.state, found.reference, warm)
+        if self._along and not self._is_whole(step):
+            self._unrepeatable += 1
+            self._note()
+            return
+        again = self._along_the_flight(step) if self._along else self._alone(found, before)
         counts.solves_repeated += 1
         status = NO_SOLVE if again is None else int(again.status)
         failed = again is None or not again.converged
@@ -154,6 +162,27 @@ class FailureAudit:
         if not confirmed and (self._refuted is None or step < self._refuted[0]):
             self._refuted = step, self._told(claimed, again)
         self._note()
+
+    def _alone(self, found: Sample, before: _Before | None) -> Solution | None:
+        """Solve a step again by itself."""
+        controller, warm = self._started(found.state.step, before)
+        return controller.solve(found.state, found.reference, warm)
+
+    def _is_whole(self, step: int) -> bool:
+        """Tell whether states and references were recorded up to a step."""
+        columns = self._evidence.columns
+        return all(
+            int(np.searchsorted(columns[topic].steps, step)) == step for topic in (STATE, REFERENCE)
+        )
+
+    def _along_the_flight(self, step: int) -> Solution | None:
+        """Solve all steps from the last one repeated on again, and return the solution of this."""
+        controller, command = self._built(), None
+        for k in range(self._repeated, step + 1):
+            found = sample(self._evidence, k)
+            command = controller.command(found.state, found.reference)
+        self._repeated = step + 1
+        return None if command is None else command.solution
 
     def _started(self, step: int, before: _Before | None) -> tuple[_Solving, Array | None]:
         """Return the controller, and the warm start that it had as far as the bag tells it.
@@ -211,6 +240,9 @@ class FailureAudit:
         notes.append(f"{counts.failures_confirmed} failed again, {refuted} did not")
         if self._cold_only:
             notes.append(f"{self._cold_only} from a cold start only: the plan before is missing")
+        if self._unrepeatable:
+            why = "messages before them are missing, on which the chord depends"
+            notes.append(f"{self._unrepeatable} not solved again: {why}")
         self._ledger.check(FAILURES, _SAME, "; ".join(notes))
 
 
