@@ -22,8 +22,11 @@ class Outlook(NamedTuple):
     warnings: tuple[str, ...]
 
 
-def outlook(scenario: Scenario) -> Outlook:
-    """Return what a scenario that can fly is to expect."""
+def outlook(scenario: Scenario, cut_short: bool) -> Outlook:
+    """Return what a scenario that can fly is to expect.
+
+    ``cut_short``: its duration is shorter on purpose, and no warning is due.
+    """
     from spacecraft_gnc.scenario.prediction import predict
 
     prediction = predict(scenario)
@@ -32,7 +35,7 @@ def outlook(scenario: Scenario) -> Outlook:
     excess = prediction.most_excess
     if excess > LARGEST_EXCESS:
         excess = _first_excess(scenario)
-    warnings = [*_of_settling(scenario, prediction), *_of_limit(scenario, excess)]
+    warnings = [*_of_settling(scenario, prediction, cut_short), *_of_limit(scenario, excess)]
     return Outlook(prediction, excess, tuple(warnings))
 
 
@@ -47,9 +50,9 @@ def settling_text(scenario: Scenario, prediction: Prediction | None) -> str:
     return f"below {below} for good from {prediction.settling_time:.4g} s, predicted; {radius}"
 
 
-def _of_settling(scenario: Scenario, prediction: Prediction) -> list[str]:
+def _of_settling(scenario: Scenario, prediction: Prediction, cut_short: bool) -> list[str]:
     duration, settled = scenario.n_steps * scenario.period, prediction.settling_time
-    if settled <= duration:
+    if settled <= duration or (cut_short and not math.isinf(settled)):
         return []
     instead = "leave out the weights or gains, which then follow from nmpc_controller.settling_time"
     if math.isinf(settled):

@@ -37,6 +37,7 @@ def check(
 ) -> None:
     """Check a scenario file; list every problem with the way to mend it."""
     from spacecraft_gnc.scenario import InvalidScenario, load
+    from spacecraft_gnc.scenario.overrides import replaces_duration
 
     try:
         checked = load(scenario, overrides or (), namespace)
@@ -47,13 +48,14 @@ def check(
         problems = [problem.as_dict() for problem in error.problems]
         print_json({"scenario": str(scenario), "ok": False, "problems": problems, "warnings": []})
         raise typer.Exit(error.exit_code) from None
+    cut_short = checked.launcher.cut_short or replaces_duration(overrides or ())
     if as_json:
-        expected = outlook(checked)
+        expected = outlook(checked, cut_short)
         told = {"problems": [], "warnings": [*checked.warnings, *expected.warnings]}
         numbers = {**facts(checked), **_foretold(expected)}
         print_json({"scenario": str(scenario), "ok": True, **told, **numbers})
     elif not quiet:
-        expected = outlook(checked)
+        expected = outlook(checked, cut_short)
         tell_warnings(checked, expected.warnings)
         print(f"{scenario}: can fly")
         print_table(_rows(checked, expected))

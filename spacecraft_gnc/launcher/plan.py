@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import os
-import re
 import tempfile
 from collections.abc import Sequence
 from contextlib import suppress
@@ -19,6 +18,7 @@ from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.checked import plain_values
 from spacecraft_gnc.scenario.declare import flatten
 from spacecraft_gnc.scenario.node_sections import add_file, add_option, given_to, node_names
+from spacecraft_gnc.scenario.overrides import replaces_duration
 from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
 from spacecraft_gnc.scenario.shipped import find
 from spacecraft_gnc.scenario.yaml_file import Sections
@@ -29,7 +29,6 @@ RECORDER: Final = "recorder"
 COMPOSED: Final = "graph"
 """Name of the process that hosts all nodes in a composed launch."""
 _RUNS: Final = Path("runs")
-_DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
 
 
 class LaunchRefused(LaunchError):
@@ -125,7 +124,7 @@ def make_plan(
     changes: dict[str, Any] = {}
     if set(peers) != set(scenario.plant.peers):
         changes["plant.peers"] = peers
-    if any(_DURATION.match(text) for text in overrides):
+    if replaces_duration(overrides):
         changes["launcher.cut_short"] = "true"
     parameter_file = path.resolve()
     if overrides or changes or not _is_read_as(scenario, path):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
 
 from spacecraft_gnc.arguments import as_tuple, require_kind
 from spacecraft_gnc.scenario.declare import flatten
@@ -13,8 +14,14 @@ from spacecraft_gnc.scenario.values import plain
 from spacecraft_gnc.scenario.yaml_file import Entry, Given, parse_value
 from spacecraft_gnc.scenario.yaml_scalar import Scalar
 
+_DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
 Overrides = Mapping[str, Any] | Sequence[str]
 """``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``."""
+
+
+def replaces_duration(texts: Iterable[str]) -> bool:
+    """Tell whether values of ``--set`` lay another ``plant.duration`` over that of a file."""
+    return any(_DURATION.match(text) for text in texts)
 
 
 def apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:

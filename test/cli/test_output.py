@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-CASE1 = ROOT / "config" / "gupta2015_case1.yaml"
+SHORT_TURN = ROOT / "config" / "sun_moon_pd.yaml"
 FULL = "error: standard output: received 'No space left on device' while writing; required "
 
 
@@ -31,7 +31,9 @@ def gnc(*argv: str, **options) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize(
-    "argv", [("check", CASE1), ("simulate", CASE1, "--json"), ("--help",)], ids=lambda a: a[0]
+    "argv",
+    [("check", SHORT_TURN), ("simulate", SHORT_TURN, "--json"), ("--help",)],
+    ids=lambda a: a[0],
 )
 def test_a_full_disk_is_one_line(argv: tuple[str, ...], unbuffered: str) -> None:
     with Path("/dev/full").open("w") as full:
@@ -60,14 +62,14 @@ def test_a_reader_that_has_gone_ends_the_command_as_sigpipe_does(unbuffered: str
     os.close(read)
     try:
         changes = {"PYTHONUNBUFFERED": unbuffered}
-        result = gnc("check", CASE1, "--json", stdout=write, env=changes)
+        result = gnc("check", SHORT_TURN, "--json", stdout=write, env=changes)
     finally:
         os.close(write)
     assert (result.returncode, result.stderr) == (141, "")
 
 
 def test_a_closed_output_is_one_line() -> None:
-    command = f"exec {sys.executable} -m spacecraft_gnc check {CASE1} >&-"
+    command = f"exec {sys.executable} -m spacecraft_gnc check {SHORT_TURN} >&-"
     result = subprocess.run(
         ["sh", "-c", command], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
     )
@@ -90,7 +92,7 @@ def test_a_closed_output_is_one_line() -> None:
 )
 def test_a_path_beyond_the_encoding_is_printed(name: bytes, locale: dict, tmp_path: Path) -> None:
     path = os.fsdecode(os.fsencode(tmp_path) + b"/" + name)
-    shutil.copy(CASE1, path)
+    shutil.copy(SHORT_TURN, path)
     good = gnc("check", path, env=locale, errors="surrogateescape")
     assert (good.returncode, good.stderr) == (0, "")
     assert "yaml: can fly\n" in good.stdout

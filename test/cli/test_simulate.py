@@ -35,7 +35,10 @@ def run(capsys: pytest.CaptureFixture[str], *argv: str) -> tuple[int, str, str]:
 
 def test_check_says_what_would_fly(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, err = run(capsys, "check", CASE_1)
-    assert (code, err) == (0, "")
+    assert code == 0
+    (warning,) = err.splitlines()  # the paper's flight ends at 0.21 deg
+    assert "plant.duration: received 150 s; required at least 170 s, after which" in warning
+    assert "below 0.1 deg for good from 170 s, predicted" in out
     assert "375 control steps of 0.4 s" in out
     assert "42.97 deg from the target" in out
     assert "horizon 5 steps" in out
