@@ -29,7 +29,10 @@ from spacecraft_gnc.ocp._stage_kernels import control, horizon_cost, squared_con
 from spacecraft_gnc.ocp._sweep_kernels import evaluate, substitute
 
 LAST = 7  # row of ``inputs`` where the last state stands
-SAFETY = 2.0  # of the bound, for a contraction seen once: docs/solver.md has what was measured
+SEEN = 11  # row: the largest contraction seen since the factorization, per step; steps since then
+# What is claimed beyond the geometric series; docs/solver.md has what was measured.
+SAFETY = 2.0  # of the bound, for a contraction seen once
+CAUTION = 4.0  # of a contraction that was seen on earlier steps and not on this one
 
 
 @kernel
@@ -83,31 +86,33 @@ def _torque_change(data, guess, step, u, W):
 
 
 @kernel
-def error_bound(change, last_change):
+def error_bound(change, contraction):
     """Bound of what is left after a correction, from the next one, which is not made.
 
-    Where the changes go on falling by q = change / last_change, change / (1 - q) is left.
+    Where the changes go on falling by the factor ``contraction``, change / (1 - contraction) is.
     """
     if change == 0.0:
         return 0.0
-    if not change < last_change:
+    if not contraction < 1.0:
         return math.inf
-    return SAFETY * change / (1.0 - change / last_change)
+    return SAFETY * change / (1.0 - contraction)
 
 
 @kernel
-def _correct_twice(problem, horizon, work, pattern):
-    """Make the correction in ``step``, and one more; returns a bound of the error, the residual.
+def _correct_until(allowed, problem, horizon, work, pattern, seen):
+    """Make the correction in ``step``, and one more where the first bound exceeds ``allowed``.
 
-    The bound is infinite where other limits act than ``pattern`` has. The last point is left in
-    ``trial``, its residual in ``resid``.
+    What the second one moves over what the first one moved is the contraction; the first bound
+    takes it from earlier steps, ``seen`` (`SEEN`), in proportion to the age. Returns
+    the bound, infinite where other limits act than ``pattern`` has, and the residual. The last
+    point is left in ``trial``, its residual in ``resid``.
     """
     body, data, zones, track = problem
     R, Pi, u, lam, W = horizon
     guess, trial, resid, step, fac = work
     zero = (0.0, 0.0, 0.0)
     move(guess, 1.0, step, trial)
-    changes, norm = (math.inf, math.inf), math.inf
+    last_change, bound, norm = math.inf, math.inf, math.inf
     for correction in range(2):
         if correction > 0:
             move(trial, 1.0, step, trial)
@@ -115,16 +120,26 @@ def _correct_twice(problem, horizon, work, pattern):
         if status != 0 or acts != pattern or not math.isfinite(norm):
             return math.inf, norm
         substitute(data[H], fac, resid, zero, zero, 0.0, step)
-        changes = (_torque_change(data, trial, step, u, W), changes[0])
-    return error_bound(changes[0], changes[1]), norm
+        change = _torque_change(data, trial, step, u, W)
+        if correction == 0:
+            bound = error_bound(change, CAUTION * seen[0] * seen[1])
+            if bound <= allowed:
+                return bound, norm
+            last_change = change
+        else:
+            q = change / last_change if last_change > 0.0 else 0.0
+            bound = error_bound(change, q)
+            seen[0] = max(q / seen[1], seen[0] if seen[0] < math.inf else 0.0)
+    return bound, norm
 
 
 @kernel
 def correct(inputs, R, Pi, u, lam, margins, allowed, arena, kept):
-    """Carry the last optimum over to the state in ``inputs`` (11, 3), rows R, Pi, R_ref, last.
+    """Carry the last optimum over to the state in ``inputs`` (12, 3).
 
-    One solve with the kept factorization predicts the multipliers, a second one corrects them, and
-    a third, which is not used, shows how far the torques would move once more.
+    Its rows are R, Pi, R_ref, the last R and Pi, and what was seen (`SEEN`). One solve with the
+    kept factorization predicts the multipliers, and one or two more correct them; the last
+    correction is not made, but shows how far the torques would move once more.
 
     Returns success, the bound of the error of all torques, and the numbers of `solve`.
     """
@@ -140,7 +155,10 @@ def correct(inputs, R, Pi, u, lam, margins, allowed, arena, kept):
     substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
-    bound, norm = _correct_twice(problem, (R, Pi, u, lam[:N], W), work, kept[1])
+    seen = inputs[SEEN]
+    seen[1] += 1.0
+    horizon = (R, Pi, u, lam[:N], W)
+    bound, norm = _correct_until(allowed, problem, horizon, work, kept[1], seen)
     if not bound <= allowed:
         return False, bound, norm, nan, nan, nan, nan
     move(trial, 0.0, trial, guess)

@@ -1,12 +1,13 @@
 """Neighboring extremals on line: carry the last optimum over to the new state, solve when needed.
 
 Between two control steps the problem changes in its initial state only. To first order its solution
-follows from one substitution with the factorization of the last exact solve; one evaluation of the
-conditions and another substitution correct it. The next correction is worked out, but not made: how
-far it would move the torques, and how much less than the one before, bounds what is left
-(`error_bound`). An exact solve is made instead where
+follows from one substitution with the factorization of the last exact solve. One evaluation of the
+conditions and another substitution give a correction. How far it would move the torques, and the
+factor by which such corrections shrink, bound what is left (`error_bound`). The factor is known
+from earlier steps; where it is not, or the bound is not good enough, the correction is made and
+the next one worked out, which measures it. An exact solve is made instead where
 
-- the bound exceeds the tolerance,
+- the bound still exceeds the tolerance,
 - other limits act than when the factorization was made, or the reference has changed,
 - the factorization is older than ``max_age`` steps, or there is none.
 
@@ -26,7 +27,7 @@ import numpy as np
 from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.arrays import FLOAT64
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp._neighboring_kernels import LAST, correct
+from spacecraft_gnc.ocp._neighboring_kernels import LAST, SEEN, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver, horizon_shapes
 from spacecraft_gnc.ocp.solution import Solution, Status
@@ -98,7 +99,7 @@ class NeighboringExtremal:
         self._shapes, self._n_zones = horizon_shapes(ocp.horizon), len(ocp.zones)
         self._max_age, self._limit = self.neighboring.max_age, ocp.max_torque
         self._work = self.solver.work
-        self._rows = rows = np.empty((11, 3))
+        self._rows = rows = np.empty((12, 3))
         self._attitude, self._momentum = rows[:3], rows[3]
         self.reset()
 
@@ -156,6 +157,7 @@ class NeighboringExtremal:
         self._target, self._target_bytes = solution.reference, solution.reference.tobytes()
         rows = self._rows
         rows[4:7] = solution.reference
+        rows[SEEN] = math.inf, 0.0, 0.0
         rows[LAST : LAST + 3], rows[LAST + 3] = solution.attitudes[0], solution.momenta[0]
         return solution
 

@@ -23,7 +23,7 @@ from spacecraft_gnc.ocp import (
     fly_nominal,
     linearize,
 )
-from spacecraft_gnc.ocp._neighboring_kernels import error_bound
+from spacecraft_gnc.ocp._neighboring_kernels import SEEN, error_bound
 
 INERTIA = np.diag([1.0, 0.8, 0.8])
 REST = np.zeros(3)
@@ -176,12 +176,25 @@ def test_the_tolerance_has_no_unit(limit):
 
 
 @pytest.mark.parametrize(
-    ("change", "last", "bound"),
-    [(0.0, 0.0, 0.0), (1.0, 1.0, math.inf), (2.0, 1.0, math.inf), (1.0, math.nan, math.inf),
-     (1.0, 2.0, 4.0), (0.1, 1.0, 0.2 / 0.9), (1.0, math.inf, 2.0), (math.nan, 1.0, math.inf)],
+    ("change", "contraction", "bound"),
+    [(0.0, math.inf, 0.0), (1.0, 1.0, math.inf), (1.0, 2.0, math.inf), (1.0, math.nan, math.inf),
+     (1.0, math.inf, math.inf), (1.0, 0.5, 4.0), (0.1, 0.1, 0.2 / 0.9), (1.0, 0.0, 2.0)],
 )  # fmt: skip
-def test_the_bound_is_twice_the_sum_of_the_changes_to_come(change, last, bound):
-    assert error_bound(change, last) == pytest.approx(bound, rel=1e-15)
+def test_the_bound_is_twice_the_sum_of_the_changes_to_come(change, contraction, bound):
+    assert error_bound(change, contraction) == pytest.approx(bound, rel=1e-15)
+
+
+def test_a_second_correction_is_made_where_no_contraction_was_seen(case_1):
+    """After an exact solve always; then only where the first one is not good enough."""
+    sequence = Sequence(case_1[0])
+    residuals = []
+    for _ in range(4):
+        sequence.step()
+        residuals.append(sequence.last.residual)
+    contraction, age, _ = sequence.online._rows[SEEN]
+    assert age == 3
+    assert 0.0 < contraction < 0.1
+    assert 100.0 * residuals[1] < residuals[2] < residuals[3]
 
 
 class Sequence:
@@ -195,6 +208,7 @@ class Sequence:
     def step(self, reference=None):
         solution = self.online.solve(self.R, self.Pi, reference)
         self.R, self.Pi = self.ocp.body.step(self.R, self.Pi, solution.torques[0])
+        self.last = solution
         return solution.formulation
 
 
