@@ -114,7 +114,9 @@ def _judge_units(verdict: Verdict, what: Row, account: Row) -> None:
     if other is None:
         return
     unlike = account["unlike"]
-    same = account["cold"] == other["cold"] and account["iterations"] == other["iterations"]
+    same = account["cold"] == other["cold"]
+    if other["exact"]:  # no rounding differs, so that nothing else may
+        same = same and account["iterations"] == other["iterations"]
     if not same or (unlike is not None and unlike > UNLIKE):
         ways = [f"{a['cold']} after {a['iterations']}" for a in (account, other)]
         verdict.unlike.append(what | {"ways": ways, "difference": unlike})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import traceback
 from typing import Any
 
@@ -27,6 +28,7 @@ def solved(problem: Drawn, options: ShootingOptions) -> Account:
         account |= _solved_in(problem, problem.units, options, patient=True)
         if problem.other_units is not None:
             other = _solved_in(problem, problem.other_units, options, patient=False)
+            other["exact"] = _are_powers(problem.units, problem.other_units)
             account |= {"other": other, "unlike": difference(account, other)}
     except Exception:  # noqa: BLE001 - it is what is looked for
         account["exception"] = traceback.format_exc()
@@ -71,6 +73,12 @@ def within_reach(row: Account) -> Account:
         except GncError:
             return row | {"solved": False, "said": BEYOND}
     return row
+
+
+def _are_powers(units: tuple[float, ...], others: tuple[float, ...]) -> bool:
+    """Tell whether units differ by powers of two: every rounding is then the same."""
+    ratios = [other / unit for unit, other in zip(units, others, strict=True)]
+    return all(math.frexp(ratio)[0] == 0.5 for ratio in ratios)
 
 
 def difference(one: Account, other: Account) -> float | None:
