@@ -80,10 +80,10 @@ class RigidBody:
         object.__setattr__(self, "packed", pack_inertia(self.inertia))
 
     def is_solvable(self, momentum: Vector3) -> bool:
-        """Tell whether a step from ``momentum`` (3,) [N m s] exists: Kalabic (3).
+        """Tell whether a step from ``momentum`` (3,) [N m s] is taken: Kalabic (3).
 
         (h hat(Pi))^2 + 4 Jd^2 must be positive semi-definite; for a sphere this means less than a
-        quarter turn in one step.
+        quarter turn in one step. The step then exists; far from a sphere, longer ones would, too.
         """
         x, y, z = as_shaped("momentum", momentum, (3,)).tolist()
         return bool(solvable(self.packed, self.time_step, (x, y, z)))

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from strategies import inertias, rotations, unit_vectors
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.dynamics._lgvi_kernels import propagate
 from spacecraft_gnc.errors import ParameterError
@@ -102,3 +103,19 @@ def test_a_momentum_beyond_the_limit_is_refused_with_the_time_step_that_works(mo
     with pytest.raises(ParameterError, match=r"Kalabic.*time step of at most") as caught:
         RigidBody(inertia, 1.0).step(np.eye(3), momentum, ZERO)
     assert survives(inertia, momentum, float(str(caught.value).split("at most ")[1].split(" s")[0]))
+
+
+def test_the_condition_is_sufficient_and_not_necessary():
+    """A plate turning about an axis in its plane: a step beyond (3) has a plain solution."""
+    nonstandard = np.diag([1.0, 0.1, 1.0])
+    body = RigidBody(np.trace(nonstandard) * np.eye(3) - nonstandard, 1.0)
+    turns = {}
+    for degrees in (10.0, 11.0, 34.0, 36.0):
+        F = lie.exp(np.array([math.radians(degrees), 0.0, 0.0]))
+        skew, symmetric = F @ nonstandard - nonstandard @ F.T, F @ nonstandard + nonstandard @ F.T
+        momentum = np.array([skew[2, 1], skew[0, 2], skew[1, 0]])
+        plain = float(np.linalg.eigvalsh(symmetric)[0]) > 0.0
+        turns[degrees] = body.is_solvable(momentum), plain
+    assert turns[10.0] == (True, True)
+    assert turns[11.0] == turns[34.0] == (False, True)
+    assert turns[36.0] == (False, False)
