@@ -27,6 +27,7 @@ IPOPT = {
         "acceptable_iter": 0, "print_level": 0, "sb": "yes",
     },
 }  # fmt: skip
+NOTHING = 1e-20  # control, in units of the limit, that is zero but for rounding
 POLISH = 8  # Newton steps that bring IPOPT's solution to rounding
 
 
@@ -37,9 +38,8 @@ def solver(horizon: int, controls: int) -> ca.Function:
 
 
 def relative(steps: Array, v: Array) -> float:
-    """Return the largest correction relative to the largest control."""
-    change, size = np.abs(steps).max(), np.abs(v).max()
-    return float(change / size) if change > 0.0 and size > 0.0 else float(change)
+    """Return the largest correction relative to the largest control; on the target, to the unit."""
+    return float(np.abs(steps).max() / max(np.abs(v).max(), NOTHING))
 
 
 def checked(problem: Problem, controls: list[list[float]]) -> dict[str, Any]:
