@@ -20,6 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from threading import Lock
 from time import perf_counter
 
 import numpy as np
@@ -101,7 +102,14 @@ class NeighboringExtremal:
         self._work = self.solver.work
         self._rows = rows = np.empty((12, 3))
         self._attitude, self._momentum = rows[:3], rows[3]
+        self._lock = Lock()
         self.reset()
+
+    def __reduce__(
+        self,
+    ) -> tuple[type[NeighboringExtremal], tuple[AttitudeOcp, NeighboringOptions, ShootingOptions]]:
+        """Copy and pickle the settings; the last optimum is no part of them."""
+        return type(self), (self.ocp, self.neighboring, self.solver.options)
 
     def reset(self) -> None:
         """Forget the last optimum and the counts."""
@@ -140,10 +148,19 @@ class NeighboringExtremal:
             plain = False
         if not plain:
             attitude, momentum = as_matrix3("attitude", attitude), as_vector3("momentum", momentum)
-        if self._age < self._max_age:
-            corrected = self._correct(attitude, momentum, reference)
-            if corrected is not None:
-                return corrected
+        with self._lock:
+            corrected = None
+            if self._age < self._max_age:
+                corrected = self._correct(attitude, momentum, reference)
+            return corrected or self._exact(attitude, momentum, reference, warm_start)
+
+    def _exact(
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None,
+        warm_start: Array | None,
+    ) -> Solution:
         solution = self.solver.solve(attitude, momentum, reference, warm_start)
         self.solved += 1
         self.error_bound = 0.0

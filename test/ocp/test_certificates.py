@@ -15,6 +15,8 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
+    NeighboringExtremal,
+    NeighboringOptions,
     PenaltyContinuation,
     ShootingOptions,
     ShootingSolver,
@@ -115,14 +117,36 @@ def test_one_solver_in_many_threads_gives_the_solutions_of_one_thread(make):
                 assert np.array_equal(ours, theirs)
 
 
+def test_neighboring_extremals_in_many_threads_are_within_their_tolerance():
+    rng = np.random.default_rng(6)
+    starts = [START @ lie.exp(rng.uniform(-1e-3, 1e-3, 3)) for _ in range(60)]
+    exact = [ShootingSolver(HEAVY).solve(start, REST).torques[0] for start in starts]
+    sequence = NeighboringExtremal(HEAVY, NeighboringOptions(1e-3, 50))
+    with ThreadPoolExecutor(8) as pool:
+        together = list(pool.map(lambda start: sequence.solve(start, REST), starts))
+    assert sequence.corrected + sequence.solved == len(starts)
+    for ours, theirs in zip(exact, together, strict=True):
+        assert np.linalg.norm(ours - theirs.torques[0]) <= 2e-3 * HEAVY.max_torque
+
+
 @pytest.mark.parametrize("make", [lambda: ShootingSolver(HEAVY), terminal])
 def test_a_copy_of_a_solver_has_work_space_of_its_own(make):
     solver = make()
     here = solver.solve(START, REST)
     for other in (copy.deepcopy(solver), pickle.loads(pickle.dumps(solver))):
         assert np.array_equal(other.solve(START, REST).torques, here.torques)
-        other.solve(lie.exp(np.array([0.1, 0.0, 0.0])), REST)
+        other.solve(lie.exp(np.array([0.1, 0.0, 0.0])), REST)  # and not in that of the other
         assert np.array_equal(solver.solve(START, REST).torques, here.torques)
+
+
+def test_a_copy_of_a_sequence_begins_anew():
+    sequence = NeighboringExtremal(HEAVY, NeighboringOptions(1e-3, 7))
+    here = sequence.solve(START, REST)
+    for other in (copy.deepcopy(sequence), pickle.loads(pickle.dumps(sequence))):
+        assert np.array_equal(other.solve(START, REST).torques, here.torques)
+        assert (other.solved, other.neighboring.max_age) == (1, 7)
+    sequence.solve(START, REST)
+    assert (sequence.solved, sequence.corrected) == (1, 1)  # the copies moved nothing here
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])
