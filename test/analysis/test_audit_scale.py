@@ -52,12 +52,22 @@ def test_a_neighboring_extremal_far_from_the_exact_solve_is_caught(tmp_path):
     assert first_of(audit)[::2] == (CORRECTIONS, "solver_status.predicted_torques")
 
 
-@pytest.mark.parametrize("horizon", [5, 20, 60])
-def test_neighboring_extremals_pass_whatever_their_horizon(tmp_path, horizon):
-    """Their first torque is cut by what the penalty lets through, which grows with the horizon."""
+@pytest.mark.parametrize(
+    ("horizon", "limit"), [(5, 0.01), (20, 0.01), (60, 0.01), (1, 0.0), (20, 0.0)]
+)
+def test_neighboring_extremals_pass_whatever_their_horizon(tmp_path, horizon, limit):
+    """Their first torque is cut by what the penalty lets through, which grows with the horizon.
+
+    Without a limit their tolerance is a share of the last exact plan's torque.
+    """
     scenario = sections(
         plant={"duration": 40.0, "initial_rotation_vector": [-0.44, 1.12, -1.02]},
-        nmpc_controller={"method": "neighboring_extremal", "horizon": horizon},
+        nmpc_controller={
+            "method": "neighboring_extremal",
+            "horizon": horizon,
+            "max_torque": limit,
+            "weights": WEIGHTS,
+        },
     )
     audit = audit_bag(fly(tmp_path, scenario))
     assert audit.passed, audit.first

@@ -15,10 +15,11 @@ from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.audit.evidence import Evidence
     from spacecraft_gnc.analysis.audit.ledger import Ledger
+    from spacecraft_gnc.types import Array
 
 CORRECTIONS: Final = "neighboring extremal = exact solve"
 BEYOND: Final = 5.0
-"""How many times ``ne_tolerance`` the flown torque may be off: the error is estimated in flight."""
+"""How many times ``ne_tolerance`` the flown torque may be off: its error is estimated in flight."""
 
 
 class CorrectionAudit:
@@ -29,22 +30,22 @@ class CorrectionAudit:
         self._scenario = evidence.scenario
         self._solver: ShootingSolver | None = None
         self._unsolved = 0
+        self._last = 0.0
 
     def audit(self, steps: NDArray[np.int64], plans: Plans, rows: dict[str, NDArray[Any]]) -> None:
         """Audit the neighboring extremals among the solves of a block."""
         chosen = np.flatnonzero(rows["formulation"] == NEIGHBORING)
+        scales = self._scales(plans, rows)
         if not chosen.size:
             return
         if self._solver is None:
             self._solver = ShootingSolver(self._certifier.ocp, options=options_of(self._scenario))
-        off, scale = np.full(len(chosen), np.nan), np.empty(len(chosen))
-        limit = self._certifier.ocp.max_torque
+        off, scale = np.full(len(chosen), np.nan), scales[chosen]
         for j, i in enumerate(chosen.tolist()):
             plan = Plans(*(values[i : i + 1] for values in plans))
             guess, _ = self._certifier.multipliers(plan)
             start = plan.attitudes[0, 0], plan.momenta[0, 0], plan.references[0]
             exact = self._solver.solve(*start, guess)
-            scale[j] = limit or float(np.linalg.norm(exact.torques, axis=1).max())
             if exact.converged:
                 first = self._certifier.ocp.realizable(exact.torques[0])  # cut to the limit, too
                 off[j] = np.linalg.norm(first - plan.torques[0, 0])
@@ -56,3 +57,19 @@ class CorrectionAudit:
                            "N m")  # fmt: skip
         if self._unsolved:
             self._ledger.check(CORRECTIONS, "", f"{self._unsolved} steps have no exact solve")
+
+    def _scales(self, plans: Plans, rows: dict[str, NDArray[Any]]) -> Array:
+        """Return (m,) torques [N m] of which ``ne_tolerance`` is a share.
+
+        The limit; without one, the largest torque of the last exact plan.
+        """
+        limit = self._certifier.ocp.max_torque
+        if limit > 0.0:
+            return np.full(len(plans.torques), limit)
+        largest = np.linalg.norm(plans.torques, axis=2).max(axis=1)
+        scales = np.empty(len(largest))
+        for i, formulation in enumerate(rows["formulation"]):
+            if formulation != NEIGHBORING:
+                self._last = float(largest[i])
+            scales[i] = max(self._last, float(largest[i]))
+        return scales
