@@ -27,6 +27,7 @@ from spacecraft_gnc.errors import ParameterError
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.audit.ledger import Check
     from spacecraft_gnc.analysis.audit.run import Audit
+    from spacecraft_gnc.scenario import Scenario
     from spacecraft_gnc.scenario.fingerprint import ValueDifference
 
 _HEADINGS = ("check", "steps", "worst", "tolerance", "verdict")
@@ -73,10 +74,9 @@ def audit(
         )
     from spacecraft_gnc.analysis.audit.run import audit_bag
     from spacecraft_gnc.analysis.limits import as_dicts
-    from spacecraft_gnc.scenario import load
     from spacecraft_gnc.scenario.fingerprint import differences
 
-    intended = None if scenario is None else load(scenario, (), namespace)
+    intended = None if scenario is None else _intended(scenario, namespace)
     with show_progress("auditing", silent=quiet) as update:
         found = audit_bag(
             bag,
@@ -105,6 +105,15 @@ def audit(
             f"{differing[0].first}; required {differing[0].second}; {count}"
         )
     require_within_limits(bag, exceeded, strict)
+
+
+def _intended(path: Path, namespace: str | None) -> Scenario:
+    """Return the scenario of a file, read as the nodes do: it may be one that was cut short."""
+    from spacecraft_gnc.scenario import from_sections, read_sections
+    from spacecraft_gnc.scenario.shipped import find
+
+    file = find(path)
+    return from_sections(read_sections(file, namespace), str(file))
 
 
 def _require_passed(bag: Path, found: Audit) -> None:

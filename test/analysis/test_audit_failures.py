@@ -14,6 +14,7 @@ from spacecraft_gnc.analysis.audit.run import audit_bag
 from spacecraft_gnc.analysis.audit.standstills import STANDSTILLS
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp import Status
+from spacecraft_gnc.recording import columns
 from spacecraft_gnc.recording._topic import step_of
 from spacecraft_gnc.recording.reader import read_flight
 
@@ -276,6 +277,18 @@ def test_a_plan_by_another_formulation_than_the_methods_is_caught(tmp_path):
         audit = audit_bag(rewrite(flown, tmp_path / name, changed))
         found = line(audit, "formulation of the method")
         assert found.first == (0, "solver_status.formulation")
+
+
+@pytest.mark.parametrize("length", [1, 3])
+def test_what_is_found_does_not_depend_on_the_blocks_that_are_read(tmp_path, monkeypatch, length):
+    """The plan before a failure may stand in an earlier block of messages."""
+    flown = fly(tmp_path, SPUN, failing={2})
+    whole = audit_bag(flown)
+    monkeypatch.setattr(columns, "_BLOCK", length)
+    parts = audit_bag(flown)
+    assert parts.counts == whole.counts
+    assert parts.counts.failures_confirmed == parts.counts.solves_repeated - 1 > 0
+    assert line(parts, FAILURES) == line(whole, FAILURES)
 
 
 @pytest.mark.parametrize("failing", [(), {3}], ids=["real", "forged"])

@@ -145,10 +145,10 @@ def test_a_forged_failure_is_told_with_what_was_found(capsys, tmp_path):
 
 @pytest.fixture
 def file(tmp_path):
-    """Return a function that writes a scenario file with changes; the flight is cut short."""
+    """Return a function that writes a scenario file with changes."""
 
     def write(**changes):
-        flown = sections(launcher={"cut_short": True}, **changes)
+        flown = sections(**changes)
         path = tmp_path / "mine.yaml"
         path.write_text(sections_to_yaml(flown), encoding="utf-8")
         return path
