@@ -228,3 +228,21 @@ def test_arrived_moving_or_switched_off_it_is_silent():
     solver = ShootingSolver(ocp)
     away = solver.solve(lie.exp(np.array([math.pi, 0.0, 0.0])), np.array([0.01, 0.0, 0.0]))
     assert StandstillMonitor(ocp, 1e-3).examine(away) is None
+
+
+@pytest.mark.parametrize("mass", [1e-11, 1e-6, 1e8, 1e13])
+def test_the_way_out_is_the_same_for_a_body_of_any_size(mass):
+    """All masses times a number: the same problem in other units."""
+
+    def found(a):
+        weights = Weights(0.01, 0.01 / a**2, 1.0 / a**2, 0.01, 0.01 / a**2)
+        inertia = a * np.diag([1.0, 0.8, 0.8])
+        ocp = AttitudeOcp(inertia, 0.4, 5, weights, a * LIMIT, 1e10 / a**4)
+        solution = ShootingSolver(ocp).solve(lie.exp([math.pi, 0.0, 0.0]), REST)
+        assert solution.converged
+        return StandstillMonitor(ocp, math.radians(0.1)).examine(solution)
+
+    one, other = found(1.0), found(mass)
+    assert other.standstill.escaping
+    assert other.standstill.radius == pytest.approx(one.standstill.radius, rel=1e-9)
+    assert other.torque / mass == pytest.approx(one.torque, rel=1e-9)
