@@ -61,8 +61,8 @@ def fill_in(checked: Checked, stated: Stated) -> None:
         try:
             with np.errstate(all="ignore"):
                 _take(checked, section, name, formula(values))
-        except (Missing, np.linalg.LinAlgError, OverflowError):
-            continue  # of a value that was refused
+        except Missing:
+            continue  # a value that was refused
 
 
 def _take(checked: Checked, section: str, name: str, default: Value) -> None:

@@ -33,11 +33,11 @@ class Values:
     checked: Checked
 
     def number(self, section: str, name: str) -> float:
-        """Return a number."""
+        """Return a number, of which too large a quotient is infinite and no exception."""
         value = self.checked.get(section, name)
         if not isinstance(value, int | float):
             raise Missing
-        return float(value)
+        return np.float64(value)
 
     def numbers(self, section: str, name: str) -> list[float]:
         """Return a list of numbers."""

@@ -44,14 +44,17 @@ class Prediction:
 
 
 def predict(scenario: Scenario) -> Prediction | None:
-    """Return the prediction for a scenario; None for a method whose gains are not known here."""
+    """Return the prediction; None where the gains of the method are not known or no numbers."""
     controller = scenario.controller
     method = controller.method
     if scenario.plant.vehicle != "rigid_body" or method not in _PENALISED | {"feedback"}:
         return None
-    loop = _Loop.feedback(scenario) if method == "feedback" else _Loop.horizon(scenario)
     penalised = method in _PENALISED and not scenario.traits.hard_limits
     with np.errstate(all="ignore"):
+        try:
+            loop = _Loop.feedback(scenario) if method == "feedback" else _Loop.horizon(scenario)
+        except np.linalg.LinAlgError:  # of numbers beyond double precision
+            return None
         return Prediction(
             spectral_radius=loop.radius,
             settling_time=loop.settling_time(math.radians(scenario.governor.slew_tolerance_deg)),
@@ -134,9 +137,7 @@ class _Loop:
             return 0.0
         largest = float(np.linalg.eigvalsh(_controls(scenario)[1])[-1])
         stiffness = 2.0 * c.torque_penalty * limit**2 / largest
-        cubic = [stiffness, 0.0, 1.0 - stiffness, -demand / limit]
-        roots = np.roots(cubic)
-        return max(0.0, float(roots[np.argmin(np.abs(roots.imag))].real) - 1.0)
+        return _excess(demand / limit, stiffness)
 
     def _linear_steps(self, x: Array, tolerance: float) -> int:
         """Return the steps after which the linear loop stays below ``tolerance``."""
@@ -163,6 +164,21 @@ class _Loop:
         angle = float(np.linalg.norm(x[:3]))
         share = max(0.0, float(np.sinc(angle / math.pi)))
         return np.concatenate([share * x[:3], x[3:]])
+
+
+def _excess(demand: float, stiffness: float) -> float:
+    """Return t >= 0 with stiffness ((1 + t)^2 - 1) (1 + t) + 1 + t = demand, by Newton's method.
+
+    The left side is convex and grows, so that the iterates fall from a t that is too large.
+    """
+    t = min(demand - 1.0, (demand / stiffness) ** (1.0 / 3.0) if stiffness > 0.0 else math.inf)
+    for _ in range(200):
+        value = stiffness * t * (2.0 + t) * (1.0 + t) + 1.0 + t - demand
+        change = value / (stiffness * (2.0 + 6.0 * t + 3.0 * t * t) + 1.0)
+        if not change > 1e-12 * t:
+            break
+        t -= change
+    return max(t, 0.0) if math.isfinite(t) else math.inf
 
 
 def _controls(scenario: Scenario) -> tuple[Array, Array]:
