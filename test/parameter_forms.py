@@ -54,7 +54,7 @@ class Form(NamedTuple):
     namespace: str
     """Of the nodes that it is started with."""
     horizon: int
-    """That these nodes are given (the default is 5)."""
+    """That these nodes are given (the default is 20 here)."""
 
 
 def _form(text: str, horizon: int, namespace: str = "/") -> Form:
@@ -99,7 +99,7 @@ SCENARIOS = {
         """,
         7,
     ),
-    "one word is no root": _form(_ONE_WORD, 5),
+    "one word is no root": _form(_ONE_WORD, 20),
     "one word is a namespace": _form(_ONE_WORD, 7, "/sat1"),
     "nested in a wildcard": _form(
         """

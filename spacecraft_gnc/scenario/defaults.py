@@ -18,8 +18,10 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from spacecraft_gnc.scenario.checked import Checked
+from spacecraft_gnc.scenario.declare import spec_of, zone_of
 from spacecraft_gnc.scenario.known import SATURATION, SETTLING, Missing, Values
-from spacecraft_gnc.scenario.parameter import LARGEST_WEIGHT, LONGEST, SHORTEST, Value
+from spacecraft_gnc.scenario.parameter import LARGEST, LARGEST_WEIGHT, LONGEST, SHORTEST, Value
+from spacecraft_gnc.scenario.values import Refusal, admissible, plain
 from spacecraft_gnc.types import Array, Matrix3
 
 _PLANT: Final = "plant"
@@ -35,6 +37,8 @@ FREE_SETTLING: Final = 60.0
 HORIZON: Final = 0.25
 """Settling times that the horizon covers, with `FEWEST` to `MOST` steps."""
 FEWEST, MOST = 5, 60
+MOST_STEPS: Final = 0.999e9
+"""Of a flight; `checks` admits 1e9."""
 PENALTY: Final = 1e6
 """Of the torque limit, in units of the torque weight over the limit squared."""
 ZONE_PENALTY: Final = 1e5
@@ -53,16 +57,28 @@ def fill_in(checked: Checked, stated: Stated) -> None:
     """Work out the defaults that follow from other values, in the order of their dependence."""
     for section, defaults in stated.items():
         for name, default in defaults.items():
-            _take(checked, section, name, default)
+            _take_stated(checked, section, name, default)
     values = Values(checked)
     for section, name, formula in _formulas(checked):
         if name in checked.defaults[section]:
             continue
         try:
             with np.errstate(all="ignore"):
-                _take(checked, section, name, formula(values))
+                _take(checked, section, name, plain(formula(values)))
         except Missing:
             continue  # a value that was refused
+
+
+def _take_stated(checked: Checked, section: str, name: str, default: Value) -> None:
+    """Take a default that a recording states, if it is one of what that holds."""
+    spec, zone = spec_of(section, name, default), zone_of(name)
+    if spec is None or (zone is not None and zone not in checked.zone_names()):
+        return
+    try:
+        _take(checked, section, name, admissible(spec, default, coerce=True))
+    except Refusal as refusal:
+        remedy = f"{refusal.remedy} in the defaults that the recording states"
+        checked.complain(section, name, refusal.received, refusal.requirement, remedy)
 
 
 def _take(checked: Checked, section: str, name: str, default: Value) -> None:
@@ -104,7 +120,8 @@ def _duration(known: Values) -> float:
     limit = known.number(_CONTROLLER, "max_torque")
     braking = 2.0 * known.momentum / limit if limit > 0.0 else 0.0
     settling = known.number(_CONTROLLER, "settling_time")
-    return _within(3.0 * settling + braking, known.period, LONGEST)
+    longest = min(LONGEST, MOST_STEPS * known.period)
+    return _within(3.0 * settling + braking, known.period, longest)
 
 
 def _horizon(known: Values) -> int:
@@ -167,8 +184,8 @@ def _zone_penalty(known: Values) -> float:
 
 def _attitude_gain(known: Values) -> Value:
     inertia = known.inertia
-    nonstandard = (0.5 + FLATTEST) * np.trace(inertia) * np.eye(3) - inertia
-    return _plain(known.bandwidth**2 * nonstandard)
+    gain = known.bandwidth**2 * ((0.5 + FLATTEST) * np.trace(inertia) * np.eye(3) - inertia)
+    return _plain(gain * min(1.0, LARGEST / float(np.abs(gain).max())))
 
 
 def _momentum_gain(known: Values) -> Value:

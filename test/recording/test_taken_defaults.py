@@ -101,3 +101,22 @@ def test_a_recorded_pd_without_gains_had_those_of_its_period() -> None:
     np.testing.assert_allclose(
         scenario.controller.feedback_momentum_gain, 2.0 * omega * np.eye(3), rtol=1e-15
     )
+
+
+@pytest.mark.parametrize(
+    "damage",
+    ["horizon: many", "weights: {stage_torque: -1.0}", "horizon: 0", "torque_penalty: .nan"],
+)
+def test_damaged_defaults_are_a_reason_and_no_traceback(damage: str) -> None:
+    damaged = f"nmpc_controller: {{ros__parameters: {{{damage}}}}}"
+    scenario, problem = parse_scenario(FORMER, Path("bag"), defaults=damaged)
+    assert scenario is None
+    assert "in the defaults that the recording states" in problem or "received" in problem
+
+
+def test_defaults_of_what_the_scenario_has_not_are_left_out() -> None:
+    stray = "nmpc_controller: {ros__parameters: {zones: {moon: {penalty: 1.0}}, horizon: 4}}"
+    scenario, problem = parse_scenario(FORMER, Path("bag"), defaults=stray)
+    assert scenario is not None, problem
+    assert scenario.controller.horizon == 4
+    assert "zones.moon.penalty" not in scenario.values["nmpc_controller"]
