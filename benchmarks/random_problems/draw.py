@@ -201,13 +201,15 @@ def in_units(
 ) -> tuple[AttitudeOcp, tuple[Vector, Vector, Vector]]:
     """Return the problem in units of mass (times length squared), time and cost, and its state."""
     mass, time, cost = units
-    torque, momentum = mass / time**2, mass / time
+    # Products: pow() rounds otherwise where a number is a power of two larger.
+    momentum, torque = mass / time, mass / (time * time)
+    torque_2, momentum_2 = torque * torque, momentum * momentum
     weights = Weights(
         problem.stage_attitude * (cost / time),
-        problem.stage_momentum * (cost / time / momentum**2),
-        problem.stage_torque * (cost / time / torque**2),
+        problem.stage_momentum * (cost / time / momentum_2),
+        problem.stage_torque * (cost / time / torque_2),
         problem.terminal_attitude * cost,
-        problem.terminal_momentum * (cost / momentum**2),
+        problem.terminal_momentum * (cost / momentum_2),
     )
     zones = tuple(
         PointingZone(
@@ -219,6 +221,7 @@ def in_units(
     plain = problem.actuators.shape == (3, 3) and bool((problem.actuators == np.eye(3)).all())
     ocp = AttitudeOcp(
         problem.inertia * mass, time, problem.horizon, weights, problem.limit * torque,
-        problem.penalty * (cost / time / torque**4), zones, None if plain else problem.actuators,
+        problem.penalty * (cost / time / (torque_2 * torque_2)), zones,
+        None if plain else problem.actuators,
     )  # fmt: skip
     return ocp, (problem.attitude, problem.momentum * momentum, problem.reference)

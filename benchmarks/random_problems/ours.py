@@ -45,7 +45,7 @@ def _solved_in(
     if patient and not (direct.converged and direct.iterations <= AutomaticContinuation.patience):
         solution = cheapest((direct, AutomaticContinuation(ocp, options).solve(*state)))
         way = "cold" if solution.torques is direct.torques else "other starts"
-    torque = units[0] / units[1] ** 2
+    torque = units[0] / (units[1] * units[1])
     finite = bool(np.isfinite(solution.controls).all())
     return {
         "cold": direct.status.name,
