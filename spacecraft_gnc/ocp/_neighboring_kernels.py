@@ -1,7 +1,7 @@
-"""Kernels of the neighbouring extremals; see `neighboring` (on line) and `nominal` (stored run).
+"""Kernels of the neighboring extremals; see `neighboring` (on line) and `nominal` (stored run).
 
 On line they live on what a backward sweep leaves in the solver's arena: the multipliers ``guess``,
-their mismatch ``resid`` at the last state, R over Pi, and a factorisation.
+their mismatch ``resid`` at the last state, R over Pi, and a factorization.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Neighbouring extremals along a stored flight: the study of Bagherzadeh et al. 2023, section 6.
+"""Neighboring extremals along a stored flight: the study of Bagherzadeh et al. 2023, section 6.
 
 A nominal closed-loop run is flown and stored once, with the gain of every step. From other initial
 conditions the torque is then that of the run plus the gain times the deviation from it, (59) and
