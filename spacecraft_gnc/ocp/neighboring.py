@@ -164,11 +164,10 @@ class NeighboringExtremal:
         solution = self.solver.solve(attitude, momentum, reference, warm_start)
         self.solved += 1
         self.error_bound = 0.0
-        if self._limit == 0.0:
-            self.largest_error = self.neighboring.tolerance * float(
-                np.linalg.norm(solution.torques, axis=1).max()
-            )
         usable = solution.converged and self.solver.kept[0] == 1
+        if usable and self._limit == 0.0:
+            largest = float(np.linalg.norm(solution.torques, axis=1).max())
+            self.largest_error = self.neighboring.tolerance * largest
         self._age = 0 if usable else self._max_age
         self._curvature = solution.min_curvature
         self._target, self._target_bytes = solution.reference, solution.reference.tobytes()
