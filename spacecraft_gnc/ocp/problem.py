@@ -249,7 +249,7 @@ def _control_weight(ocp: AttitudeOcp) -> tuple[Array, Array]:
 def _pack(ocp: AttitudeOcp) -> Array:
     w = ocp.weights
     numbers: list[Array] = [
-        np.array([ocp.time_step, ocp.max_torque**2, ocp.torque_penalty]),
+        np.array([ocp.time_step, ocp.max_torque * ocp.max_torque, ocp.torque_penalty]),
         np.ravel(np.asarray(w.stage_attitude)),
         np.ravel(np.asarray(w.terminal_attitude)),
         _half_trace_minus(w.stage_momentum).ravel(),

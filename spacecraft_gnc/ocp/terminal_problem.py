@@ -169,12 +169,12 @@ class TerminalSetOcp(AttitudeOcp):
 
     def _pack(self, attitude: Matrix3, rate: Matrix3, torque: Matrix3) -> None:
         """Pack the problem in the log form; the kernels multiply stages by h."""
-        scale = self.stage_cost_scale
+        scale, limit = self.stage_cost_scale, self.max_torque * BELOW
         weights, axes = np.linalg.eigh(0.5 * scale / self.time_step * torque)
         tail = [weights, axes.T.ravel()]
         head = np.concatenate(
             [
-                [self.time_step, (self.max_torque * BELOW) ** 2, math.inf],
+                [self.time_step, limit * limit, math.inf],
                 (scale / self.time_step * attitude).ravel(),
                 np.zeros(27),
                 [1.0],
