@@ -204,7 +204,8 @@ class EffortContinuation:
 class OpenContinuation:
     """Leave the zones out and move the initial state away from the target; then harden the zones.
 
-    Near half a turn the state also moves the other way round, and the cheaper solution is returned.
+    With zones, and near half a turn, the state also moves the other way round: the cheaper solution
+    is returned.
 
     Parameters
     ----------
@@ -219,6 +220,7 @@ class OpenContinuation:
         open_sky = replace(ocp, zones=())
         self._short_way = StateContinuation(open_sky, options)
         self._long_way = StateContinuation(open_sky, options, long_way=True)
+        self._zones = len(ocp.zones) > 0
         shares = HARDENING if ocp.zones else (1.0,)
         softer = [
             ShootingSolver(_softer_zones(ocp, share), options=options) for share in shares[:-1]
@@ -231,8 +233,8 @@ class OpenContinuation:
         """Return the solution with all zones; its ``iterations`` count all steps made."""
         target = as_rotation("reference", np.eye(3) if reference is None else reference)
         problem = (as_rotation("attitude", attitude), as_vector3("momentum", momentum), target)
-        near_half_turn = lie.angle_between(target, problem[0]) > NEAR_HALF_TURN
-        ways = (self._short_way, self._long_way) if near_half_turn else (self._short_way,)
+        both = self._zones or lie.angle_between(target, problem[0]) > NEAR_HALF_TURN
+        ways = (self._short_way, self._long_way) if both else (self._short_way,)
         return cheapest(self._hardened(way.solve(*problem), problem) for way in ways)
 
     def _hardened(self, found: Solution, problem: tuple[Matrix3, Vector3, Matrix3]) -> Solution:
