@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.analysis.audit.certificate import CORRECTED
+from spacecraft_gnc.analysis.audit.certificate import CORRECTED, ROUNDING
 from spacecraft_gnc.analysis.audit.plans import HARD, TERMINAL, Certifier, Plans
 from spacecraft_gnc.analysis.audit.rungs import NO_SOLVE, Sample, restored, sample
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
 
 if TYPE_CHECKING:
@@ -228,9 +229,24 @@ class FailureAudit:
         kept = share <= self._certificate.share_left(again.formulation)
         kept |= bool(found.correction[0] <= CORRECTED)
         is_minimum = found.curvature[0] > 0.0 or again.formulation == HARD
-        if kept and is_minimum and found.exists[0]:
+        off = max(found.first_defect[0], found.momentum_defect[0])
+        flies = found.exists[0] and found.attitude_defect[0] <= ROUNDING
+        flies = flies and off <= ROUNDING * np.abs(again.momenta).max()
+        if kept and is_minimum and flies and self._reaches(again, found.largest[0]):
             return f"certified: residual {share:.1g} of its terms, curvature > 0"
-        return f"not certified: residual {share:.1g} of its terms"
+        return f"not certified by the audit: residual {share:.1g} of its terms"
+
+    def _reaches(self, again: Solution, largest: float) -> bool:
+        """Tell whether a plan ends in the terminal set within the torque limit, where there is one.
+
+        That alone refutes INFEASIBLE.
+        """
+        ocp = self._certifier.ocp
+        if not isinstance(ocp, TerminalSetOcp) or ocp.level is None:
+            return True
+        state = ocp.terminal_state(again.attitudes, again.momenta, again.reference)
+        inside = ocp.level_of(state) <= ocp.level.value * (1.0 + ROUNDING)
+        return inside and (ocp.max_torque == 0.0 or largest <= ocp.max_torque * (1.0 + ROUNDING))
 
     def _note(self) -> None:
         counts, notes = self._counts, []
