@@ -93,7 +93,12 @@ def _flight(controller: dict[str, Any], governor: dict[str, Any] | None = None) 
 
     zones = {"zone_names": ["zone"], "zones": {"zone": _ZONE}}
     sections = {
-        "plant": {"inertia": _SPHEROID, "initial_momentum": [0.0, 0.0, 1e-3], "duration": 1.0},
+        "plant": {
+            "inertia": _SPHEROID,
+            "initial_momentum": [0.0, 0.0, 1e-3],
+            "time_step": 0.4,
+            "duration": 1.0,
+        },
         "nmpc_controller": {**zones, **controller},
         "reference_governor": governor or {},
     }

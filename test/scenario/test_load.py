@@ -319,3 +319,16 @@ def test_a_momentum_that_turns_beyond_the_integrator_is_refused() -> None:
     with pytest.raises(InvalidScenario, match=r"Kalabic.*in free motion from"):
         from_sections({"plant": plant | {"time_step": 0.4}})
     assert from_sections({"plant": plant | {"time_step": 0.38}}).plant.time_step == 0.38
+
+
+def test_a_method_that_is_laid_over_leaves_out_what_it_does_not_read() -> None:
+    """The file's weights are another method's; one line says which are not read."""
+    scenario = load(CASE_1, ["nmpc_controller.method=feedback"])
+    (warning,) = scenario.warnings
+    assert warning.startswith(f"{CASE_1}: not read by method feedback: horizon, weights.stage_att")
+    assert warning.endswith("torque_penalty")
+    assert "horizon" not in scenario.sections["nmpc_controller"]
+    assert from_sections(scenario.values).values == scenario.values
+    with pytest.raises(InvalidScenario, match="required a method that reads it"):
+        load(CASE_1, ["nmpc_controller.method=feedback", "nmpc_controller.horizon=6"])
+    assert load(CASE_1, ["nmpc_controller.method=neighboring_extremal"]).warnings == ()
