@@ -38,7 +38,8 @@ HORIZONS = (2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 60)
 
 def scenario(**controller: Any) -> Scenario:
     """Return the turn with defaults, but for what is given."""
-    plant = {"inertia": INERTIA, "initial_rotation_vector": TURN, "time_step": 0.5}
+    start = controller.pop("start", TURN)
+    plant = {"inertia": INERTIA, "initial_rotation_vector": start, "time_step": 0.5}
     plant["duration"] = controller.pop("duration", 150.0)
     return from_sections({"plant": plant, "nmpc_controller": {"max_torque": LIMIT, **controller}})
 
@@ -100,8 +101,25 @@ def draw_horizon(axes: Any) -> None:
     axes.legend()
 
 
+def print_turns() -> None:
+    """Fly longer turns with the default settling time, half and twice of it."""
+    print("settling_time, turn: settled, overshoot, excess of the torque limit")
+    for wanted in (20.0, 40.0, 80.0):
+        for angle in (30.0, 90.0, 170.0):
+            start = TURN * angle / 30.0
+            built = scenario(settling_time=wanted, duration=300.0, start=start)
+            flight = built.build().run()
+            error = series.settling_error_deg(flight)
+            late = (np.flatnonzero(error >= 0.1)[-1] + 1) * built.period
+            over = (error - np.minimum.accumulate(error)).max()
+            torque = np.linalg.norm(flight.torque, axis=1).max()
+            excess = max(0.0, torque / LIMIT - 1.0)
+            print(f"{wanted:g} s, {angle:g} deg: {late:g} s, {over:.2f} deg, {excess:.1e}")
+
+
 def main() -> None:
     """Draw the four panels."""
+    print_turns()
     with style.applied():
         figure, axes = plt.subplots(2, 2, figsize=(10.0, 7.6), layout="constrained")
         draw_settling(axes[0, 0])
