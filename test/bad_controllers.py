@@ -103,7 +103,7 @@ CONTROLLER_CASES = {
     ),
     "continuation unknown": Bad(
         "horizon: 5", "continuation: homotopy", "nmpc_controller.continuation",
-        "one of none, penalty, state", "use one of none, penalty, state",
+        "one of none, auto, penalty, state, horizon, effort", "use one of none, auto, penalty",
     ),
     "damping above 1": Bad(
         "horizon: 5", "damping: 1.5", "nmpc_controller.damping", "> 0 and <= 1", "lower it"

@@ -65,8 +65,8 @@ def fill_in(checked: Checked, stated: Stated) -> None:
         try:
             with np.errstate(all="ignore"):
                 _take(checked, section, name, plain(formula(values)))
-        except Missing:
-            continue  # a value that was refused
+        except (Missing, np.linalg.LinAlgError):
+            continue  # a value that was refused, or that `checks` refuses
 
 
 def _take_stated(checked: Checked, section: str, name: str, default: Value) -> None:

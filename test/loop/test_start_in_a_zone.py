@@ -34,8 +34,7 @@ TURNED_ROUND = {  # the same zone, told as the cone to stay inside
 )
 def test_it_flies_out(start: list[float], changes: dict[str, Any]) -> None:
     scenario = load("gupta2015_case2", {"plant.initial_rotation_vector": start, **changes})
-    assert len(scenario.warnings) == 1
-    assert "leaves it" in scenario.warnings[0]
+    assert sum("leaves it" in warning for warning in scenario.warnings) == 1
     loop = scenario.build()
     flown = loop.run()
     margins = np.degrees(loop.controller.solver.ocp.zones[0].margin(flown.attitude))
