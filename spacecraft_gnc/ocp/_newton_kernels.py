@@ -11,20 +11,15 @@ import math
 
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
-from spacecraft_gnc.lie._mat3_kernels import add, dot, load3, scale, store3
-from spacecraft_gnc.ocp._data_kernels import (
-    ALPHA,
-    D_U,
-    M_U,
-    MADE_OF,
-    MADE_OF_PI,
-    MU0,
-    P1,
-    Q1,
-    U_UNIT,
-    H,
+from spacecraft_gnc.lie._mat3_kernels import add, load3, scale, store3
+from spacecraft_gnc.ocp._certificate_kernels import (
+    conditions_hold,
+    is_stationary,
+    largest_row,
+    rounding_of,
 )
-from spacecraft_gnc.ocp._stage_kernels import SIGMA_AT, Z_AT, horizon_cost
+from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, MU0, P1, Q1, U_UNIT, H
+from spacecraft_gnc.ocp._stage_kernels import horizon_cost
 from spacecraft_gnc.ocp._sweep_kernels import (
     descent_at_saddle,
     evaluate,
@@ -46,7 +41,6 @@ CONTRACTION = 0.5  # of the residual in one step, with which a kept Jacobian is 
 SADDLES = 5  # saddle points that a solve leaves before it gives up
 ARRIVED = -3  # no status: Newton's full correction is within rounding of the guess
 SMALLEST_CORRECTION = 1e-10  # of the multipliers, relative to the largest
-ROUNDING = 2.0**-52
 
 
 @kernel
@@ -221,64 +215,6 @@ def _leave_saddle(problem, horizon, work, stage):
         gamma *= 0.5
     _, norm, pattern = _at(problem, horizon, guess, resid)
     return SADDLE, norm, pattern
-
-
-@kernel
-def largest_row(rows, column):
-    """Largest norm of the vectors that stand in the rows from a column on."""
-    largest = 0.0
-    for k in range(rows.shape[0]):
-        x = load3(rows, k, column)
-        largest = max(largest, dot(x, x))
-    return math.sqrt(largest)
-
-
-@kernel
-def rounding_of(data, Pi):
-    """What rounding may leave of the conditions, by the size of the terms that lam2 adds up."""
-    made_of = data[MADE_OF] + data[MADE_OF_PI] * largest_row(Pi, 0)
-    return ROUNDING * (Pi.shape[0] - 1) * made_of
-
-
-@kernel
-def conditions_hold(data, lam, Pi, norm, tolerance):
-    """Whether the residual is small beside the multipliers, or within rounding of their terms."""
-    return norm <= tolerance * largest_row(lam, 3) or norm <= rounding_of(data, Pi)
-
-
-@kernel
-def is_stationary(data, lam, W, left):
-    """Whether the torques of W make the cost stationary but for ``left`` of the multipliers.
-
-    The gradient is formed anew, from the torques alone: (S3 + 2 mu0 max(0, |u|^2 - alpha)) u minus
-    B^T lam2. Rounding of |u|^2 enters it times 2 mu0; a hard limit is held to that rounding.
-    """
-    m, alpha, mu0 = int(data[M_U]), data[ALPHA], data[MU0]
-    size, largest, gains = 0.0, 0.0, 0.0
-    for i in range(m):
-        g = D_U + m + 3 * i
-        gains += data[g] * data[g] + data[g + 1] * data[g + 1] + data[g + 2] * data[g + 2]
-    for k in range(lam.shape[0]):
-        l2, zz, ee, pulls = load3(lam, k, 3), 0.0, 0.0, 0.0
-        for i in range(m):
-            zz += W[k, Z_AT + i] * W[k, Z_AT + i]
-        sigma, allowed = 0.0, 0.0
-        if alpha > 0.0 and math.isinf(mu0):
-            sigma = W[k, SIGMA_AT]
-            if zz > alpha * (1.0 + 8.0 * ROUNDING) or (sigma > 0.0 and zz < alpha * (1.0 - 1e-9)):
-                return False
-        elif alpha > 0.0 and zz > alpha * (1.0 - 8.0 * ROUNDING):
-            sigma = max(0.0, 2.0 * mu0 * (zz - alpha))
-            allowed = 32.0 * ROUNDING * mu0 * zz * math.sqrt(zz)
-        for i in range(m):
-            g = D_U + m + 3 * i
-            pull = data[g] * l2[0] + data[g + 1] * l2[1] + data[g + 2] * l2[2]
-            e = (data[D_U + i] + sigma) * W[k, Z_AT + i] - pull
-            ee += e * e
-            pulls += pull * pull
-        largest = max(largest, pulls)
-        size = max(size, math.sqrt(ee) - allowed)
-    return size <= 2.0 * math.sqrt(gains) * left + 32.0 * ROUNDING * math.sqrt(largest)
 
 
 @kernel

@@ -36,6 +36,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     transpose,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._certificate_kernels import conditions_hold
 from spacecraft_gnc.ocp._data_kernels import S_P2, S_Q2, H, data9
 from spacecraft_gnc.ocp._newton_kernels import (
     BACKTRACKING,
@@ -49,7 +50,6 @@ from spacecraft_gnc.ocp._newton_kernels import (
     SINGULAR,
     SUFFICIENT_DECREASE,
     UNSOLVABLE_STEP,
-    conditions_hold,
 )
 from spacecraft_gnc.ocp._stage_kernels import (
     A_AT,

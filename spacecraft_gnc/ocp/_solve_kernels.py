@@ -24,16 +24,14 @@ from spacecraft_gnc.lie._mat3_kernels import (
     store9,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._certificate_kernels import is_stationary, largest_row, rounding_of
 from spacecraft_gnc.ocp._data_kernels import D_U, M_U
 from spacecraft_gnc.ocp._newton_kernels import (
     CHORD,
     CONVERGED,
     LINE_SEARCH_FAILED,
     SADDLE,
-    is_stationary,
-    largest_row,
     newton,
-    rounding_of,
 )
 from spacecraft_gnc.ocp._shooting_kernels import newton_shooting
 from spacecraft_gnc.ocp._stage_kernels import (

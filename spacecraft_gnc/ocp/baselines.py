@@ -17,8 +17,8 @@ from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.dynamics import state_units
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp import _shooting_kernels
+from spacecraft_gnc.ocp._certificate_kernels import conditions_hold
 from spacecraft_gnc.ocp._data_kernels import MADE_OF, MADE_OF_PI
-from spacecraft_gnc.ocp._newton_kernels import conditions_hold
 from spacecraft_gnc.ocp._stage_kernels import Z_AT, horizon_cost, work_size
 from spacecraft_gnc.ocp.assembly import assemble, failed
 from spacecraft_gnc.ocp.linearization import linearize
