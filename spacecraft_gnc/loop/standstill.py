@@ -70,7 +70,7 @@ class StandstillMonitor:
     def examine(self, solution: Solution) -> Finding | None:
         """Return what is to be said of a converged solution; None in ordinary flight."""
         error = solution.attitude_error
-        if error <= self._tolerance:
+        if error <= self._tolerance or solution.travel > 0.05 * error:  # before any norm
             return None
         momentum = math.sqrt(float(solution.momenta[0] @ solution.momenta[0]))
         torque = math.sqrt(float(solution.torques[0] @ solution.torques[0]))

@@ -25,8 +25,10 @@ def largest_row(rows, column):
 @kernel
 def rounding_of(data, Pi):
     """What rounding may leave of the conditions, by the size of the terms that lam2 adds up."""
-    made_of = data[MADE_OF] + data[MADE_OF_PI] * largest_row(Pi, 0)
-    return ROUNDING * (Pi.shape[0] - 1) * made_of
+    N = Pi.shape[0] - 1
+    first, last = load3(Pi, 0), load3(Pi, N)
+    momentum = math.sqrt(dot(first, first) + dot(last, last))
+    return ROUNDING * N * (data[MADE_OF] + data[MADE_OF_PI] * momentum)
 
 
 @kernel
@@ -43,16 +45,16 @@ def is_stationary(data, lam, W, left):
     B^T lam2. Rounding of |u|^2 enters it times 2 mu0; a hard limit is held to that rounding.
     """
     m, alpha, mu0 = int(data[M_U]), data[ALPHA], data[MU0]
-    size, largest, gains = 0.0, 0.0, 0.0
+    hard, gains = math.isinf(mu0), 0.0
     for i in range(m):
         g = D_U + m + 3 * i
         gains += data[g] * data[g] + data[g + 1] * data[g + 1] + data[g + 2] * data[g + 2]
+    bound = math.sqrt(gains) * (2.0 * left + 32.0 * ROUNDING * largest_row(lam, 3))
     for k in range(lam.shape[0]):
-        l2, zz, ee, pulls = load3(lam, k, 3), 0.0, 0.0, 0.0
+        l2, zz, ee, sigma, allowed = load3(lam, k, 3), 0.0, 0.0, 0.0, 0.0
         for i in range(m):
             zz += W[k, Z_AT + i] * W[k, Z_AT + i]
-        sigma, allowed = 0.0, 0.0
-        if alpha > 0.0 and math.isinf(mu0):
+        if alpha > 0.0 and hard:
             sigma = W[k, SIGMA_AT]
             if zz > alpha * (1.0 + 8.0 * ROUNDING) or (sigma > 0.0 and zz < alpha * (1.0 - 1e-9)):
                 return False
@@ -64,7 +66,6 @@ def is_stationary(data, lam, W, left):
             pull = data[g] * l2[0] + data[g + 1] * l2[1] + data[g + 2] * l2[2]
             e = (data[D_U + i] + sigma) * W[k, Z_AT + i] - pull
             ee += e * e
-            pulls += pull * pull
-        largest = max(largest, pulls)
-        size = max(size, math.sqrt(ee) - allowed)
-    return size <= 2.0 * math.sqrt(gains) * left + 32.0 * ROUNDING * math.sqrt(largest)
+        if not ee <= (bound + allowed) * (bound + allowed):
+            return False
+    return True
