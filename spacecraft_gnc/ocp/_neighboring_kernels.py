@@ -24,7 +24,13 @@ from spacecraft_gnc.lie._mat3_kernels import (
 )
 from spacecraft_gnc.ocp._data_kernels import ALPHA, H
 from spacecraft_gnc.ocp._newton_kernels import move
-from spacecraft_gnc.ocp._solve_kernels import carve, is_rotation, repeat_last, summarise
+from spacecraft_gnc.ocp._solve_kernels import (
+    carve,
+    is_momentum,
+    is_rotation,
+    repeat_last,
+    summarise,
+)
 from spacecraft_gnc.ocp._stage_kernels import control, horizon_cost, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import evaluate, substitute
 
@@ -149,7 +155,7 @@ def correct(inputs, R, Pi, u, lam, margins, allowed, arena, kept):
     problem, W, work, _ = carve(arena, N, margins.shape[0])
     _, data, zones, track = problem
     guess, trial, resid, step, fac = work
-    if not is_rotation(R_0) or not math.isfinite(dot(Pi_0, Pi_0)):
+    if not is_rotation(R_0) or not is_momentum(Pi_0):
         return False, nan, nan, nan, nan, nan, nan
     eta = small_rotation_vector(mat_t_mat(load9_rows(inputs, LAST), R_0))
     substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)

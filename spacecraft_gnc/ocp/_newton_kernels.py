@@ -13,7 +13,6 @@ from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, load3, scale, store3
 from spacecraft_gnc.ocp._certificate_kernels import (
-    conditions_hold,
     is_stationary,
     largest_row,
     rounding_of,
@@ -232,7 +231,10 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
     while True:
         if not math.isfinite(norm):
             return NOT_FINITE, steps, norm, math.nan
-        if status == ARRIVED or conditions_hold(data, lam, Pi, norm, tolerance):
+        small = norm <= tolerance * largest_row(lam, 3)
+        # The bound on rounding is far above it, so it counts where steps no longer help only.
+        rounded = steps > 0 and stagnant and norm <= rounding_of(data, Pi)
+        if status == ARRIVED or small or rounded:
             # This solve's last linearisation certifies, unless other limits act since.
             stage = -1
             if kept[0] == 0 or kept[1] != pattern or not certifying:
@@ -267,6 +269,8 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
             status, norm, pattern, used, rho = _searched_step(
                 problem, horizon, work, rho, estimated, norm, local, stagnant
             )
+        if status == LINE_SEARCH_FAILED and norm <= rounding_of(data, Pi):
+            status, rho, used = ARRIVED, 0.0, math.nan
         if status == ARRIVED:
             pattern = before
         local, stagnant = norm <= FAST * last_norm, norm > CONTRACTION * last_norm

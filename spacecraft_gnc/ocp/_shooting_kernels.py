@@ -36,7 +36,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     transpose,
     vee_antisymmetric,
 )
-from spacecraft_gnc.ocp._certificate_kernels import conditions_hold
+from spacecraft_gnc.ocp._certificate_kernels import largest_row, rounding_of
 from spacecraft_gnc.ocp._data_kernels import S_P2, S_Q2, H, data9
 from spacecraft_gnc.ocp._newton_kernels import (
     BACKTRACKING,
@@ -264,11 +264,16 @@ def newton_shooting(problem, horizon, T, E, kept, rule, damping, estimated, tole
     body, data, zones, track = problem
     R, Pi, u, lam, W = horizon
     status, E1, E2, norm = _shoot(problem, horizon)
+    last_norm = math.inf
     for steps in range(max_steps + 1):
+        rounded = norm > CONTRACTION * last_norm and norm <= rounding_of(data, Pi)
+        if rounded and status in (CONVERGED, LINE_SEARCH_FAILED):
+            return CONVERGED, steps, norm
         if status != CONVERGED:
             return status, steps, norm
-        if conditions_hold(data, lam, Pi, norm, tolerance):
+        if norm <= tolerance * largest_row(lam, 3):
             return CONVERGED, steps, norm
+        last_norm = norm
         if not math.isfinite(norm):
             return NOT_FINITE, steps, norm
         if steps == max_steps:

@@ -70,7 +70,7 @@ def _secular(data, W, k, sigma):
 
     Newton on 1/|z| = 1/sqrt(alpha + sigma/(2 mu0)): nearly linear, and free of cancellation. The
     difference of its sides is convex and falls in sigma, so that Newton converges from anywhere; at
-    a step of 1e-9 of the smallest d + sigma, the next one is below rounding.
+    a step of 1e-9 of the shorter length over which a side bends, the next one is below rounding.
     """
     alpha, mu0 = data[ALPHA], data[MU0]
     m = int(data[M_U])
@@ -86,7 +86,8 @@ def _secular(data, W, k, sigma):
         root = math.sqrt(bound)
         change = (1.0 / root - 1.0 / norm) / (bend / (zz * norm) + 0.25 / (mu0 * bound * root))
         sigma = max(0.0, sigma + change)
-        if abs(change) <= 1e-9 * (data[D_U] + sigma):  # d is sorted
+        # d is sorted; either side bends over a length of its own.
+        if abs(change) <= 1e-9 * min(data[D_U] + sigma, 2.0 * mu0 * alpha + sigma):
             break
     return sigma
 

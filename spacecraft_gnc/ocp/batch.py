@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.arrays import as_finite, as_rows, as_stack
-from spacecraft_gnc.errors import ShapeError
+from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
 if TYPE_CHECKING:
@@ -71,6 +71,10 @@ def solve_many(
     for row in np.flatnonzero(status < 0):  # name the first state that is none
         as_rotation(f"attitudes[{row}]", states[row, :3])
         as_vector3(f"momenta[{row}]", states[row, 3])
+        raise ParameterError(
+            f"states[{row}]: received {states[row].tolist()}; required a finite state; check its "
+            "numbers"
+        )
     return BatchSolution(
         torques=u,
         attitudes=R,

@@ -32,7 +32,7 @@ from spacecraft_gnc.ocp._neighboring_kernels import LAST, SEEN, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver, horizon_shapes
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, ArrayLike, as_matrix3, as_vector3
+from spacecraft_gnc.types import Array, ArrayLike, as_matrix3, as_vector3, read_only
 
 FORMULATION = "neighboring_extremal"
 CONVERGED = Status.CONVERGED
@@ -170,7 +170,8 @@ class NeighboringExtremal:
             self.largest_error = self.neighboring.tolerance * largest
         self._age = 0 if usable else self._max_age
         self._curvature = solution.min_curvature
-        self._target, self._target_bytes = solution.reference, solution.reference.tobytes()
+        self._target = read_only(solution.reference.copy())
+        self._target_bytes = self._target.tobytes()
         rows = self._rows
         rows[4:7] = solution.reference
         rows[SEEN] = math.inf, 0.0, 0.0

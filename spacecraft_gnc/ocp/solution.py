@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from spacecraft_gnc.ocp import _stage_kernels
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -124,11 +123,8 @@ class Solution(NamedTuple):
 
     @property
     def controls(self) -> Array:
-        """(N, m) optimal controls u_k, of which B makes the torques [N m]; by (38)."""
+        """(N, m) optimal controls u_k, of which B makes the torques [N m]: the cheapest that do."""
         ocp = self.ocp
-        work = np.zeros((1, _stage_kernels.work_size(ocp.n_controls)))
-        rows = np.empty((len(self.costates), ocp.n_controls))
-        for row, costate in zip(rows, self.costates, strict=True):
-            _stage_kernels.control(ocp.data, tuple(costate[3:]), work, 0)
-            row[:] = work[0, _stage_kernels.Z_AT :]
-        return np.asarray(rows @ ocp.control_axes.T)
+        turned = ocp.torque_map @ (ocp.control_axes / np.sqrt(ocp.control_weights))
+        least = np.linalg.pinv(turned) @ self.torques.T
+        return np.asarray((ocp.control_axes / np.sqrt(ocp.control_weights) @ least).T)

@@ -8,9 +8,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.recording._metadata import LOSSES_RECORD, RECOVERED_RECORD
 from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
+from spacecraft_gnc.scenario.defaults import follows_from_formula
 from spacecraft_gnc.scenario.former import former_defaults
 from spacecraft_gnc.scenario.parameter import Value
 
@@ -121,7 +122,15 @@ def _defaults(text: str, file: Path) -> dict[str, dict[str, Value]]:
     if not any(line and not line.startswith("#") for line in text.splitlines()):
         return {}  # the scenario states everything
     file.write_text(text, encoding="utf-8")
-    return read_sections(file)
+    stated = read_sections(file)
+    for section, values in stated.items():
+        for name in values:
+            if not follows_from_formula(section, name):
+                raise ParameterError(
+                    f"{section}.{name}: received as a default that the recording took; required "
+                    "one that a formula gives (docs/scenario.md); the attachment was changed"
+                )
+    return stated
 
 
 def _listed(steps: tuple[int, ...]) -> str:

@@ -69,6 +69,13 @@ def fill_in(checked: Checked, stated: Stated) -> None:
             continue  # a value that was refused, or that `checks` refuses
 
 
+def follows_from_formula(section: str, name: str) -> bool:
+    """Tell whether a parameter's default follows from other values."""
+    if section == _CONTROLLER and name.startswith("zones.") and name.endswith(".penalty"):
+        return True
+    return any((section, name) == formula[:2] for formula in _FORMULAS)
+
+
 def _take_stated(checked: Checked, section: str, name: str, default: Value) -> None:
     """Take a default that a recording states, if it is one of what that holds."""
     spec, zone = spec_of(section, name, default), zone_of(name)

@@ -47,6 +47,8 @@ from spacecraft_gnc.ocp._data_kernels import (
 )
 from spacecraft_gnc.ocp._stage_kernels import M_AT, SIGMA_AT, Z_AT, horizon_cost, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import (
+    K1_AT,
+    K2_AT,
     factorize,
     smallest_pivot,
     store_stage,
@@ -58,6 +60,7 @@ from spacecraft_gnc.ocp._terminal_kernels import set_track
 STATUS, ATTITUDE_DEFECT, MOMENTUM_DEFECT, RESIDUAL, RADIUS_DEFECT, COST, LARGEST, CURVATURE = range(
     8
 )
+STATE_ROUNDING = 1e3 * 2.0**-52  # [rad], and relative to the largest momentum of a plan
 MULTIPLIER, FIRST_DEFECT, COSTATE, MADE_OF, CORRECTION, NUMBERS = 8, 9, 10, 11, 12, 13
 ON_LIMIT = 1e-12
 """Relative distance of |u|^2 from its bound within which the bound counts as touched."""
@@ -231,13 +234,23 @@ def _multiplier(data, zones, track, R, Pi, W, lam, other, claimed):
 
 
 @kernel
-def _correction(data, fac, left, step):
-    """Largest change of a lam2 by one Newton step from the plan, with its own factorization."""
-    zero = (0.0, 0.0, 0.0)
+def _correction(data, fac, left, Pi, step):
+    """Largest change of a lam2 by one Newton step from the plan, with its own factorization.
+
+    But for what a change of the state by `STATE_ROUNDING` makes, component by component.
+    """
+    zero, fastest = (0.0, 0.0, 0.0), 0.0
     substitute(data[H], fac, left, zero, zero, 0.0, step)
+    for k in range(Pi.shape[0]):
+        fastest = max(fastest, _size3(load3(Pi, k)))
     largest = 0.0
     for k in range(step.shape[0]):
-        largest = max(largest, _size3(load3(step, k)))
+        for i in range(3):
+            moved = 0.0
+            for j in range(3):
+                turned, pushed = fac[k, K1_AT + 3 * i + j], fac[k, K2_AT + 3 * i + j]
+                moved += abs(turned) + fastest * abs(pushed)
+            largest = max(largest, abs(step[k, i]) - STATE_ROUNDING * moved)
     return largest
 
 
@@ -276,4 +289,4 @@ def certify(
         n[COST] = horizon_cost(problem if weighted else data, zones, track, R, Pi, W)
         factorize(body, data, zones, track, R, Pi, lam[0], W, fac, 0.0, False)
         n[CURVATURE] = smallest_pivot(data[H], fac)
-        n[CORRECTION] = _correction(data, fac, left[0], left[1])
+        n[CORRECTION] = _correction(data, fac, left[0], Pi, left[1])

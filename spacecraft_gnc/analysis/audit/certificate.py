@@ -43,6 +43,8 @@ ROUNDED: Final = 1e-13
 """What rounding may leave besides, as the same share, for each step of the horizon."""
 CORRECTED: Final = 1e-9
 """Largest share of a lambda2 that a Newton step may change where more is left."""
+CORRECTIBLE: Final = 1e-6
+"""Largest share of a lambda2 that a Newton step may change in any case, beside the tolerance's."""
 SETTLED: Final = {"fsolve": 1e-6, "slsqp": 1e-3}
 """The same share of those that stop by tolerances of scipy, with derivatives by differences."""
 AMPLIFIED: Final = 1e3
@@ -78,6 +80,7 @@ class CertificateAudit:
         self._residual_tolerance = parameters.residual_tolerance
         rounded = ROUNDED * certifier.ocp.horizon
         self._newton_share = LEFT * parameters.residual_tolerance + rounded
+        self._largest_correction = CORRECTIBLE + AMPLIFIED * parameters.residual_tolerance
         self._keeps_factors = parameters.step_rule == "chord"
 
     def audit(
@@ -162,6 +165,8 @@ class CertificateAudit:
         limit, where = self.share_left(formulation), "solver_status.residual"
         if formulation not in SETTLED:
             share = np.where(found.correction <= CORRECTED, np.minimum(share, limit), share)
+            # Terms that say nothing of a torque, such as those of another axis, make a share small.
+            share = np.where(found.correction <= self._largest_correction, share, np.inf)
         name = f"converged ({formulation})"
         self._ledger.bound(name, steps[free], where, share[free], limit, "of its terms")
 

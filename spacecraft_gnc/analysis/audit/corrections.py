@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.types import Array
 
 CORRECTIONS: Final = "neighboring extremal = exact solve"
+AGES: Final = "neighboring extremals follow an exact solve"
 BEYOND: Final = 5.0
 """How many times ``ne_tolerance`` the flown torque may be off: its error is estimated in flight."""
 
@@ -31,13 +32,20 @@ class CorrectionAudit:
         self._solver: ShootingSolver | None = None
         self._unsolved = 0
         self._last = 0.0
+        self._age: float = np.inf  # corrections since the last exact solve
+        self._step, self._reference = -1, b""
 
     def audit(self, steps: NDArray[np.int64], plans: Plans, rows: dict[str, NDArray[Any]]) -> None:
         """Audit the neighboring extremals among the solves of a block."""
         chosen = np.flatnonzero(rows["formulation"] == NEIGHBORING)
         scales = self._scales(plans, rows)
+        young = self._young(steps, plans, rows)
         if not chosen.size:
             return
+        where = "solver_status.formulation"
+        self._ledger.require(
+            AGES, "at most ne_max_age after it", steps[chosen], where, young[chosen]
+        )
         if self._solver is None:
             self._solver = ShootingSolver(self._certifier.ocp, options=options_of(self._scenario))
         off, scale = np.full(len(chosen), np.nan), scales[chosen]
@@ -57,6 +65,26 @@ class CorrectionAudit:
                            "N m")  # fmt: skip
         if self._unsolved:
             self._ledger.check(CORRECTIONS, "", f"{self._unsolved} steps have no exact solve")
+
+    def _young(
+        self, steps: NDArray[np.int64], plans: Plans, rows: dict[str, NDArray[Any]]
+    ) -> NDArray[np.bool_]:
+        """Tell which solves are exact, or correct an exact one of the same reference in time.
+
+        After a step without a plan here, whatever it was, corrections count from that step.
+        """
+        young = np.ones(len(steps), dtype=bool)
+        for i, step in enumerate(steps.tolist()):
+            reference = plans.references[i].tobytes()
+            if rows["formulation"][i] != NEIGHBORING or (step != self._step + 1 and step > 0):
+                self._age = 0.0
+            elif reference != self._reference:
+                self._age = np.inf
+            if rows["formulation"][i] == NEIGHBORING:
+                self._age += 1.0
+                young[i] = self._age <= self._scenario.controller.ne_max_age
+            self._step, self._reference = step, reference
+        return young
 
     def _scales(self, plans: Plans, rows: dict[str, NDArray[Any]]) -> Array:
         """Return (m,) torques [N m] of which ``ne_tolerance`` is a share.
