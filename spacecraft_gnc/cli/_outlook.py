@@ -47,27 +47,36 @@ def settling_text(scenario: Scenario, prediction: Prediction | None) -> str:
     radius = f"spectral radius {prediction.spectral_radius:.4g} at the target"
     if math.isinf(prediction.settling_time):
         return f"never below {below} for good, {radius}"
-    return f"below {below} for good from {prediction.settling_time:.4g} s, predicted; {radius}"
+    from_then = f"below {below} for good from {prediction.settling_time:.4g} s"
+    return f"{from_then}, predicted without zones and governor; {radius}"
 
 
 def _of_settling(scenario: Scenario, prediction: Prediction, cut_short: bool) -> list[str]:
     duration, settled = scenario.n_steps * scenario.period, prediction.settling_time
     if settled <= duration or (cut_short and not math.isinf(settled)):
         return []
-    instead = "leave out the weights or gains, which then follow from nmpc_controller.settling_time"
+    instead = _instead(scenario)
     if math.isinf(settled):
         text = (
             "nmpc_controller: the loop does not settle at its target: received a spectral radius "
             f"of {prediction.spectral_radius:.6g} a step; required less than 1; use a horizon of 2 "
-            f"steps or more, or {instead}"
+            f"steps or more{instead}"
         )
     else:
         text = (
             f"plant.duration: received {duration:g} s; required at least {settled:.4g} s, after "
             f"which the error is predicted to stay below {scenario.governor.slew_tolerance_deg:g} "
-            f"deg; lengthen it, or {instead}"
+            f"deg; lengthen it{instead or ', or shorten nmpc_controller.settling_time'}"
         )
     return [f"{scenario.path}: {text}"]
+
+
+def _instead(scenario: Scenario) -> str:
+    """Return what to do about given weights or gains; empty where none is given."""
+    given = scenario.sections.get("nmpc_controller", {})
+    if not any(name == "weights" or name.endswith("_gain") for name in given):
+        return ""
+    return ", or leave out weights and gains, which then follow from nmpc_controller.settling_time"
 
 
 def _of_limit(scenario: Scenario, excess: float) -> list[str]:

@@ -1,4 +1,4 @@
-"""``gnc audit``: integrate a bag again, and certify every command afresh."""
+"""``gnc audit``: integrate a bag again, certify its plans, repeat its failures."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def audit(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Integrate a recorded flight again and certify every command afresh; 1 where it differs."""
+    """Integrate a flight again, certify its plans, repeat its failures; 1 where it differs."""
     if tolerance is not None and not 0.0 <= tolerance < math.inf:
         raise ParameterError(
             f"--tolerance: received {tolerance!r}; required a number >= 0; give for example 1e-12"

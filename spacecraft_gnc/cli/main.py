@@ -57,7 +57,7 @@ COMMANDS: Final = {
         f"{_PACKAGE}.view:view", "Watch a flight in the browser: a running graph, or a bag."
     ),
     "audit": _Command(
-        f"{_PACKAGE}.audit:audit", "Integrate a bag again and certify every command afresh."
+        f"{_PACKAGE}.audit:audit", "Integrate a bag again, certify its plans, repeat its failures."
     ),
     "slew": _Command(f"{_PACKAGE}.slew:slew", "Command a slew of a running graph and follow it."),
     "recover": _Command(

@@ -138,7 +138,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     if m["neighboring_share"] is not None:
         share = f"{100.0 * m['neighboring_share']:.1f} % of the steps"
         error = f", off the exact torque by {_text(m['neighboring_error'], 3)} N m at most"
-        rows.append(("neighbouring extremals", share + error))
+        rows.append(("neighboring extremals", share + error))
     if m["stalled_steps"]:
         rows.append(("steps at a standstill", f"{m['stalled_steps']}, away from the target"))
     if m["escaping_steps"]:

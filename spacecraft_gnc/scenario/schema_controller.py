@@ -106,7 +106,7 @@ class ControllerParameters(NodeParameters):
         above=0.0,
     )
     max_iterations: int = parameter(
-        Kind.INTEGER, 50, "iterations after which a solve gives up", minimum=1
+        Kind.INTEGER, 50, "Newton steps after which one solve gives up", minimum=1
     )
     formulation: str = parameter(
         Kind.STRING,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from flown_bags import first_of, fly, sections
 
-from spacecraft_gnc.analysis.audit.corrections import CORRECTIONS
+from spacecraft_gnc.analysis.audit.corrections import AGES, CORRECTIONS
 from spacecraft_gnc.analysis.audit.run import audit_bag
 
 WEIGHTS = {
@@ -73,3 +73,30 @@ def test_neighboring_extremals_pass_whatever_their_horizon(tmp_path, horizon, li
     assert audit.passed, audit.first
     corrected = {check.name: check.steps for check in audit.checks}[CORRECTIONS]
     assert corrected > 20
+
+
+def test_corrections_without_an_exact_solve_before_them_are_caught(tmp_path):
+    """Flown with an exact solve every fourth step at the latest, told as every second one."""
+    flown, told = (
+        sections(nmpc_controller={"method": "neighboring_extremal", "ne_max_age": age})
+        for age in (3, 1)
+    )
+    audit = audit_bag(fly(tmp_path, flown, claimed=told))
+    assert first_of(audit)[::2] == (AGES, "solver_status.formulation")
+    assert audit_bag(fly(tmp_path / "honest", flown)).passed
+
+
+@pytest.mark.parametrize("weight", [1e6, 1e10])
+def test_a_weight_that_no_axis_sees_hides_no_idle_flight(tmp_path, weight):
+    scenario = sections(
+        plant={"initial_rotation_vector": [1.0, 0.0, 0.0], "initial_momentum": [0.0, 0.0, 0.0]},
+        nmpc_controller={
+            "weights": {
+                f"{which}_attitude": [weight, 0.0, 0.0, 0.0, 0.01, 0.0, 0.0, 0.0, 0.01]
+                for which in ("stage", "terminal")
+            }
+        },
+    )
+    assert audit_bag(fly(tmp_path / "honest", scenario)).passed
+    audit = audit_bag(fly(tmp_path / "idle", scenario, idle=True))
+    assert not audit.passed

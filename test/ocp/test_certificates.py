@@ -164,3 +164,65 @@ def test_a_warm_start_that_is_not_finite_is_refused(bad):
 def test_a_complex_warm_start_is_refused():
     with pytest.raises(ShapeError, match="warm_start"):
         ShootingSolver(HEAVY).solve(START, REST, None, np.zeros((5, 6), complex))
+
+
+@pytest.mark.parametrize(("weight", "horizon"), [(1e6, 60), (1e8, 20), (1e10, 60)])
+def test_weights_that_an_axis_does_not_see_loosen_none_of_its_torques(case_1, weight, horizon):
+    """A turn about x does not see Q_x; it used to widen what counted as rounding."""
+    start = lie.exp(np.array([2.0, 0.0, 0.0]))
+    plain = replace(case_1[0], horizon=horizon)
+    attitude = np.diag([weight, 0.01, 0.01])
+    seen = replace(plain.weights, stage_attitude=attitude, terminal_attitude=attitude)
+    expected = ShootingSolver(plain).solve(start, REST)
+    found = ShootingSolver(replace(plain, weights=seen)).solve(start, REST)
+    assert found.status is expected.status is Status.CONVERGED
+    largest = np.abs(expected.torques).max()
+    assert np.abs(found.torques - expected.torques)[:, 0].max() < 1e-11 * largest
+
+
+@pytest.mark.parametrize("angle", [1e-4, 1e-6])
+def test_a_long_horizon_near_the_target_is_solved_to_its_optimum(case_1, angle):
+    ocp, start = replace(case_1[0], horizon=120), lie.exp(angle * np.array([0.6, -0.64, 0.48]))
+    found = ShootingSolver(ocp).solve(start, REST)
+    gradient = ocp.gradient(found.controls, start, REST)
+    step = np.linalg.solve(ocp.hessian(found.controls, start, REST), gradient.ravel())
+    assert found.status is Status.CONVERGED
+    assert np.abs(step).max() < 1e-9 * np.abs(found.controls).max()
+
+
+@pytest.mark.parametrize("penalty", [1e-8, 1e-6, 1e-4, 1.0, 1e8])
+def test_a_soft_torque_limit_is_solved_like_a_hard_one(penalty):
+    ocp = AttitudeOcp(np.eye(3), 0.4, 5, Weights(), 0.005, penalty)
+    found = ShootingSolver(ocp).solve(START, REST)
+    assert found.status is Status.CONVERGED
+    assert found.cost == pytest.approx(ocp.cost(found.torques, START, REST), rel=1e-14)
+
+
+def test_the_controls_make_the_torques_that_were_planned():
+    rng = np.random.default_rng(8)
+    for m in (2, 3, 4):
+        ocp = replace(HEAVY, actuators=rng.normal(size=(3, m)), weights=Weights(0.01, 1e-10, 1e-10))
+        sequence = NeighboringExtremal(ocp, NeighboringOptions(1e-2, 50))
+        for angle in (0.0, 1e-3):  # an exact solve, and a correction
+            found = sequence.solve(START @ lie.exp(np.array([angle, 0.0, 0.0])), REST)
+            made = found.controls @ np.asarray(ocp.torque_map).T
+            assert np.abs(made - found.torques).max() < 1e-12 * np.abs(found.torques).max()
+        assert found.controls.shape == (5, m)
+
+
+def test_a_momentum_beyond_all_measure_ends_as_unsolvable_not_as_leftovers():
+    solver = ShootingSolver(HEAVY)
+    far = np.array([1e200, 0.0, 0.0])
+    assert solver.solve(START, far).status is Status.UNSOLVABLE_STEP
+    batch = solver.solve_batch([START, START], [REST, far])
+    assert batch.status.tolist() == [Status.CONVERGED, Status.UNSOLVABLE_STEP]
+    with pytest.raises(ParameterError, match=r"momenta\[1\]"):
+        solver.solve_batch([START, START], [REST, np.array([0.0, math.nan, 0.0])])
+
+
+def test_nobody_can_write_into_the_reference_of_a_sequence():
+    sequence = NeighboringExtremal(HEAVY)
+    sequence.solve(START, REST)
+    corrected = sequence.solve(START, REST)
+    with pytest.raises(ValueError, match="read-only"):
+        corrected.reference[0, 0] = 2.0

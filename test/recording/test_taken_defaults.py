@@ -120,3 +120,14 @@ def test_defaults_of_what_the_scenario_has_not_are_left_out() -> None:
     assert scenario is not None, problem
     assert scenario.controller.horizon == 4
     assert "zones.moon.penalty" not in scenario.values["nmpc_controller"]
+
+
+def test_a_default_that_no_formula_gives_is_refused(tmp_path: Path) -> None:
+    """It would loosen an audit without a word in the scenario."""
+    text = (
+        "plant:\n  ros__parameters:\n    inertia: [2.0, 0.0, 0.0, 0.0, 1.8, 0.0, 0.0, 0.0, 1.5]\n"
+    )
+    loose = "nmpc_controller:\n  ros__parameters:\n    residual_tolerance: 1.0\n"
+    scenario, why = parse_scenario(text, tmp_path, None, loose)
+    assert scenario is None
+    assert "nmpc_controller.residual_tolerance: received as a default" in why
