@@ -125,6 +125,8 @@ class Solution(NamedTuple):
     def controls(self) -> Array:
         """(N, m) optimal controls u_k, of which B makes the torques [N m]: the cheapest that do."""
         ocp = self.ocp
-        turned = ocp.torque_map @ (ocp.control_axes / np.sqrt(ocp.control_weights))
-        least = np.linalg.pinv(turned) @ self.torques.T
-        return np.asarray((ocp.control_axes / np.sqrt(ocp.control_weights) @ least).T)
+        B = ocp.torque_map
+        if B.shape[1] != 3 or np.linalg.matrix_rank(B) == 3:  # of one weight, or the only ones
+            return np.asarray(self.torques @ ocp.allocation.T)
+        cheap = ocp.control_axes / np.sqrt(ocp.control_weights)
+        return np.asarray((cheap @ (np.linalg.pinv(B @ cheap) @ self.torques.T)).T)
