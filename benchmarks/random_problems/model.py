@@ -16,6 +16,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from judge import lines
 from newton import Array, Problem, programme
 from programme import STATE
 
@@ -104,18 +105,6 @@ def _polished(problem: Problem, v: Array) -> dict[str, Any]:
         return {"said": str(error), "solved": False}
     controls = (problem.scale * v).tolist()
     return {"solved": True, "cost": cost, "moved": moved, "controls": controls}
-
-
-def lines(path: Path) -> list[dict[str, Any]]:
-    """Return the objects of a file of JSON lines; the last one may be cut off."""
-    found = []
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            try:
-                found.append(json.loads(line))
-            except json.JSONDecodeError:
-                continue
-    return found
 
 
 def main() -> None:

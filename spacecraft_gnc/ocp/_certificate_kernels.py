@@ -32,12 +32,6 @@ def rounding_of(data, Pi):
 
 
 @kernel
-def conditions_hold(data, lam, Pi, norm, tolerance):
-    """Whether the residual is small beside the multipliers, or within rounding of their terms."""
-    return norm <= tolerance * largest_row(lam, 3) or norm <= rounding_of(data, Pi)
-
-
-@kernel
 def is_stationary(data, lam, W, left):
     """Whether the torques of W make the cost stationary but for ``left`` of the multipliers.
 

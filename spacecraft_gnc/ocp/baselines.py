@@ -17,7 +17,7 @@ from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.dynamics import state_units
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp import _shooting_kernels
-from spacecraft_gnc.ocp._certificate_kernels import conditions_hold
+from spacecraft_gnc.ocp._certificate_kernels import largest_row, rounding_of
 from spacecraft_gnc.ocp._data_kernels import MADE_OF, MADE_OF_PI
 from spacecraft_gnc.ocp._stage_kernels import Z_AT, horizon_cost, work_size
 from spacecraft_gnc.ocp.assembly import assemble, failed
@@ -248,7 +248,8 @@ class FsolveSolver:
             status = Status(code) if code != 0 else Status.NOT_FINITE
             return failed(ocp, state, target, status, self.formulation)
         norm = self._units.multiplier * float(np.linalg.norm(np.array([*E1, *E2]) / unit))
-        solved = bool(conditions_hold(ocp.data, lam, Pi, norm, self._tolerance))
+        allowed = max(self._tolerance * largest_row(lam, 3), rounding_of(ocp.data, Pi))
+        solved = bool(norm <= allowed)
         status = Status.CONVERGED if solved else Status.LINE_SEARCH_FAILED
         outcome = (status, int(found.nfev), norm, horizon_cost(*problem[1:], R, Pi, W))
         largest = float(np.linalg.norm(W[:, Z_AT:], axis=1).max())
