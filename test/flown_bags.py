@@ -32,6 +32,28 @@ SECTIONS: dict[str, dict[str, Any]] = {
     "nmpc_controller": case_1.controller(),
 }
 """Twelve steps of Case I of Gupta et al. 2015, moving from the start."""
+TERMINAL_SET: dict[str, dict[str, Any]] = {
+    "plant": {
+        "inertia": [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0],
+        "time_step": 0.1,
+        "duration": 1.0,
+        "initial_rotation_vector": [0.352, 0.264, 0.0],
+        "initial_momentum": [0.0, 0.0, 0.0],
+    },
+    "nmpc_controller": {
+        "method": "terminal_set",
+        "horizon": 60,
+        "max_torque": 0.02,
+        "weights": {
+            "stage_attitude": 1.0,
+            "stage_rate": [3.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 5.0],
+            "stage_torque": 1000.0,
+        },
+        "stage_cost_scale": 0.9,
+        "terminal_set": "true",
+    },
+}
+"""Ten steps with an active terminal set."""
 
 
 def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from flown_bags import edited, first_of, fly, messages_of, rewrite, sections
+from flown_bags import TERMINAL_SET, edited, first_of, fly, messages_of, rewrite, sections
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit.failures import FAILURES
@@ -47,27 +47,7 @@ NUDGED = sections(
 )
 FAR = {6: lie.exp([0.0, 0.0, 2.5]), 16: np.eye(3)}
 """Targets: too far for two iterations, and back."""
-HELD = sections(
-    plant={
-        "inertia": [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0],
-        "time_step": 0.1,
-        "duration": 1.0,
-        "initial_rotation_vector": [0.352, 0.264, 0.0],
-        "initial_momentum": REST,
-    },
-    nmpc_controller={
-        "method": "terminal_set",
-        "horizon": 60,
-        "max_torque": 0.02,
-        "weights": {
-            "stage_attitude": 1.0,
-            "stage_rate": [3.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 5.0],
-            "stage_torque": 1000.0,
-        },
-        "stage_cost_scale": 0.9,
-        "terminal_set": "true",
-    },
-)
+HELD = sections(**TERMINAL_SET)
 """An active terminal set."""
 HALF_TURN = sections(
     plant={"initial_rotation_vector": [math.pi, 0.0, 0.0], "initial_momentum": REST}

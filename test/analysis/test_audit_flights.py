@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from flown_bags import edited, first_of, flipped, fly, messages_of, rewrite, sections
+from flown_bags import TERMINAL_SET, edited, first_of, flipped, fly, messages_of, rewrite, sections
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit.counts import Counts
@@ -71,27 +71,7 @@ FLIGHTS = {
             },
         }
     },
-    "an active terminal set": {
-        "plant": {
-            "inertia": [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0],
-            "time_step": 0.1,
-            "duration": 1.0,
-            "initial_rotation_vector": [0.352, 0.264, 0.0],
-            "initial_momentum": [0.0, 0.0, 0.0],
-        },
-        "nmpc_controller": {
-            "method": "terminal_set",
-            "horizon": 60,
-            "max_torque": 0.02,
-            "weights": {
-                "stage_attitude": 1.0,
-                "stage_rate": [3.0, 0.0, 0.0, 0.0, 5.0, 0.0, 0.0, 0.0, 5.0],
-                "stage_torque": 1000.0,
-            },
-            "stage_cost_scale": 0.9,
-            "terminal_set": "true",
-        },
-    },
+    "an active terminal set": TERMINAL_SET,
     "a governor": {
         "nmpc_controller": {"method": "feedback"},
         "reference_governor": {
