@@ -23,11 +23,10 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Plant, Source
-from spacecraft_gnc.nodes import _convert as convert
-from spacecraft_gnc.nodes import _topics as topics
-from spacecraft_gnc.nodes._bag_topics import announce
 from spacecraft_gnc.nodes._status import GovernorStatusEncoder, SolverStatusEncoder
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.ros import convert, topics
+from spacecraft_gnc.ros.bag_topics import announce
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.types import Vector3
 

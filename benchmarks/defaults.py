@@ -17,8 +17,8 @@ import numpy as np
 
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.scenario import from_sections
-from spacecraft_gnc.scenario.prediction import predict
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.prediction import predict
 
 ANGLE: Final = 30.0  # [deg]
 AXIS: Final = np.array([1.0, 2.0, -1.0]) / np.sqrt(6.0)

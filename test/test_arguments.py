@@ -29,9 +29,6 @@ from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.route import RoutePlanner
 from spacecraft_gnc.governors.search import GeodesicSearch
 from spacecraft_gnc.loop import ClosedLoop, State, Trajectory
-from spacecraft_gnc.loop.controllers import ShootingController, SolverController
-from spacecraft_gnc.loop.feedback import FeedbackController
-from spacecraft_gnc.loop.plants import RigidBodyPlant
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
     FsolveSolver,
@@ -49,6 +46,12 @@ from spacecraft_gnc.ocp import (
     fly_nominal,
     linearize,
 )
+from spacecraft_gnc.vehicles.rigid_body.controllers.feedback import FeedbackController
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
+    ShootingController,
+    SolverController,
+)
+from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 
 INERTIA = np.diag([1.0, 0.8, 0.7])  # [kg m^2]
 R = lie.exp(np.array([0.2, -0.1, 0.3]))

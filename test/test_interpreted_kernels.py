@@ -14,8 +14,8 @@ PROGRAM = """
 import math, sys
 import numpy as np
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.audit import _audit_kernels
-from spacecraft_gnc.analysis.audit.plans import Certifier, Plans
+from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels
+from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors import tail
 from spacecraft_gnc.governors.attitude import AttitudeGovernor
@@ -23,7 +23,7 @@ from spacecraft_gnc.governors.controller_loop import ShootingLoopPredictor
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
-from spacecraft_gnc.loop.controllers import ShootingController
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
 from spacecraft_gnc.ocp import terminal_level
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,

@@ -21,12 +21,14 @@ LAYERS = (
     {"dynamics"},
     {"ocp"},
     {"governors"},
+    {"parameters"},
     {"loop"},
-    {"scenario"},
-    {"recording"},
-    {"analysis"},
+    # Until the redesign has put the shells above the vehicles, one layer.
+    {"vehicles", "scenario", "recording", "audit", "analysis"},
     {"campaign"},
-    {"nodes", "launcher"},
+    {"studies"},
+    {"ros", "launcher"},
+    {"nodes"},
     {"cli"},
     {"__main__"},
 )
@@ -45,13 +47,13 @@ def may_import(path: str, library: str) -> bool:
     layer = path.split("/", maxsplit=1)[0]
     name = path.rsplit("/", 1)[-1]
     if is_ros(library):
-        return layer == "nodes" or path in ROS_FILES
+        return layer in ("nodes", "ros") or path in ROS_FILES
     if library == "numba":
         return name.startswith("_") and name.endswith("kernels.py")
     if library in ("mcap", "rosbags", "mcap_ros2"):
         return layer == "recording"
     if library in ("matplotlib", "plotly", "pyarrow", "foxglove"):
-        return layer == "analysis"
+        return layer in ("analysis", "studies")
     return library != "dask" or layer == "campaign"
 
 
@@ -98,7 +100,7 @@ def test_imports_point_down(path: Path) -> None:
 
 def test_the_rules_are_not_vacuous() -> None:
     assert not may_import("ocp/shooting.py", "numba")
-    assert not may_import("loop/plants.py", "rclpy")
+    assert not may_import("loop/guards.py", "rclpy")
     assert not may_import("cli/check.py", "spacecraft_gnc_msgs")
     assert not may_import("cli/plot.py", "matplotlib")
     assert not may_import("analysis/metrics.py", "rosbags")
@@ -110,7 +112,7 @@ def test_the_rules_are_not_vacuous() -> None:
 
 
 def test_everything_below_the_nodes_imports_without_ros() -> None:
-    above = ("nodes", "launcher")
+    above = ("nodes", "ros", "launcher")
     modules = [
         ".".join((PACKAGE, *path.relative_to(ROOT).with_suffix("").parts)).removesuffix(".__init__")
         for path in FILES

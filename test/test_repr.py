@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.ocp import ShootingOptions, ShootingSolver, TerminalSetOcp
 from spacecraft_gnc.scenario import from_sections, load
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 CASE1 = Path(__file__).parents[1] / "config" / "gupta2015_case1.yaml"
 SCENARIO = load(CASE1, {"plant.duration": 8.0, "launcher.cut_short": True})

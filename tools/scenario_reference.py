@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from spacecraft_gnc.parameters.parameter import MatrixRule, ParameterSpec
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.declare import declarations
-from spacecraft_gnc.scenario.parameter import MatrixRule, ParameterSpec
 from spacecraft_gnc.scenario.schema import SECTIONS
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -13,7 +13,7 @@ import numpy as np
 
 from spacecraft_gnc.analysis import series, style
 from spacecraft_gnc.scenario import Scenario, from_sections
-from spacecraft_gnc.scenario.prediction import predict
+from spacecraft_gnc.vehicles.rigid_body.prediction import predict
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt

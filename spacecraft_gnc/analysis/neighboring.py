@@ -36,8 +36,10 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
     share = len(answered) / max(1, len(trajectory.source)) if len(answered) else None
     error = None
     if len(answered) and scenario is not None:
-        from spacecraft_gnc.loop.controllers import problem_of  # loads the kernels
         from spacecraft_gnc.ocp import ShootingSolver
+        from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
+            problem_of,  # loads the kernels
+        )
 
         solver = ShootingSolver(problem_of(scenario))
         largest = math.nan

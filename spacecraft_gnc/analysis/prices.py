@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.loop.protocols import Controller, Reference, State
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 if TYPE_CHECKING:
     from spacecraft_gnc.ocp import AttitudeOcp, Solution

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.text import Text
 
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._live_source import LiveSource
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.live_source import LiveSource
 
 _FRAME_PERIOD: Final = 0.1  # [s] wall between two frames on a terminal
 _LINE_PERIOD: Final = 1.0  # [s] wall between two lines elsewhere
@@ -56,8 +56,8 @@ def watch(domain_id: int, namespace: str, *, style: str, once: bool, patience: f
     """
     from rich.console import Console
 
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._live_source import LiveSource
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.live_source import LiveSource
 
     with GraphView(domain_id) as view:
         source = LiveSource(view, namespace)

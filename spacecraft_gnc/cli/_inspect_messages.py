@@ -14,7 +14,7 @@ from spacecraft_gnc.cli._common import RunFailed, json_able
 from spacecraft_gnc.cli._domain import DomainOption, choose_domain
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.nodes._graph import GraphView
+    from spacecraft_gnc.ros.graph import GraphView
 
 TopicArgument = Annotated[str, typer.Argument(metavar="TOPIC", help="Name, e.g. attitude_state.")]
 CountOption = Annotated[
@@ -45,8 +45,8 @@ def echo(
     as_json: JsonLinesOption = False,
 ) -> None:
     """Print the messages of a topic as YAML."""
-    from spacecraft_gnc.nodes import _messages
-    from spacecraft_gnc.nodes._graph import GraphView
+    from spacecraft_gnc.ros import messages as _messages
+    from spacecraft_gnc.ros.graph import GraphView
 
     wanted = 1 if once else count
     printed = 0
@@ -90,8 +90,8 @@ def hz(
     as_json: JsonLinesOption = False,
 ) -> None:
     """Print the rate of a topic in wall time."""
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._rates import measure
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.rates import measure
 
     with GraphView(choose_domain(domain_id)) as view:
         rates = measure(view, topic, window, timeout)
@@ -107,8 +107,8 @@ def delay(
     as_json: JsonLinesOption = False,
 ) -> None:
     """Print the age of a topic's messages: /clock, or else the wall clock, minus their stamp."""
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._rates import delays
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.rates import delays
 
     with GraphView(choose_domain(domain_id)) as view:
         found = delays(view, topic, window, timeout)

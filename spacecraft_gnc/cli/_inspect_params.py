@@ -12,7 +12,7 @@ from spacecraft_gnc.cli._help import App, Group
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.nodes._remote import ParameterInfo
+    from spacecraft_gnc.ros.remote import ParameterInfo
 
 NodeArgument = Annotated[str, typer.Argument(metavar="NODE", help="Name, e.g. plant.")]
 NameArgument = Annotated[str, typer.Argument(metavar="NAME", help="Parameter, e.g. max_torque.")]
@@ -39,8 +39,8 @@ params = App(
 @params.command("list")
 def list_(node: NodeArgument, domain_id: DomainOption = None, as_json: JsonOption = False) -> None:
     """List a node's parameters with their values."""
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._remote import RemoteParameters
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.remote import RemoteParameters
 
     with GraphView(choose_domain(domain_id)) as view:
         remote = RemoteParameters(view, view.find_node(node))
@@ -59,8 +59,8 @@ def get(
     as_json: JsonOption = False,
 ) -> None:
     """Show one parameter: value, description, whether it may change."""
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._remote import RemoteParameters
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.remote import RemoteParameters
 
     with GraphView(choose_domain(domain_id)) as view:
         remote = RemoteParameters(view, view.find_node(node))
@@ -82,9 +82,9 @@ def set_(
     as_json: JsonOption = False,
 ) -> None:
     """Set a parameter; the node may refuse, and says why."""
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._remote import RemoteParameters
-    from spacecraft_gnc.scenario.yaml_file import parse_value
+    from spacecraft_gnc.parameters.yaml_file import parse_value
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.remote import RemoteParameters
 
     try:
         wanted = parse_value(value)

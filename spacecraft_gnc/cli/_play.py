@@ -17,9 +17,9 @@ from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.launcher import domain, environment
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.nodes.player import Plan, Played
     from spacecraft_gnc.recording.play_clock import PlayClock
     from spacecraft_gnc.recording.playback import Playback
+    from spacecraft_gnc.ros.player import Plan, Played
 
 AS_FAST_AS_IT_GOES: Final = "max"
 _KEYS: Final = "space pauses, left and right go 10 s, up and down double and halve the rate, q ends"
@@ -67,7 +67,7 @@ def play(wish: Playing) -> None:
             )
         _require_played(playback, wish.expected)
         with _own_domain(wish) as domain_id:
-            from spacecraft_gnc.nodes.player import Plan
+            from spacecraft_gnc.ros.player import Plan
 
             plan = Plan(
                 rate,
@@ -137,7 +137,7 @@ def _own_domain(wish: Playing) -> Iterator[int]:
 
 
 def _run(wish: Playing, playback: Playback, plan: Plan, domain_id: int) -> None:
-    from spacecraft_gnc.nodes.player import Player
+    from spacecraft_gnc.ros.player import Player
 
     silent = wish.quiet or wish.as_json
     with Player(playback, plan, domain_id) as player, pressed_keys() as key:

@@ -47,8 +47,8 @@ def serve_graph(
     stop: Callable[[], bool],
 ) -> None:
     """Relay every topic of a graph to the app until ``stop``."""
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._relay import Relay
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.relay import Relay
 
     with (
         foxglove.FoxgloveServer(host, port) as server,

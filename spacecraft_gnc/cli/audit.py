@@ -25,8 +25,8 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.analysis.audit.ledger import Check
     from spacecraft_gnc.analysis.audit.run import Audit
+    from spacecraft_gnc.audit.ledger import Check
     from spacecraft_gnc.scenario import Scenario
     from spacecraft_gnc.scenario.fingerprint import ValueDifference
 

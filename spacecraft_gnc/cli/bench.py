@@ -57,8 +57,8 @@ def bench(
 
 def _measure(graph: bool, progress: Progress) -> dict[str, Any]:
     """Measure one layer after the other; return the figures by name."""
-    from spacecraft_gnc.analysis import speed
     from spacecraft_gnc.scenario import load
+    from spacecraft_gnc.studies import speed
 
     path = shipped("gupta2015_case1")
     case_1, case_2 = load(path), load(shipped("gupta2015_case2_offplane"))

@@ -21,7 +21,7 @@ from spacecraft_gnc.cli._common import (
     print_table,
     tell_warnings,
 )
-from spacecraft_gnc.cli._outlook import Outlook, outlook, settling_text
+from spacecraft_gnc.vehicles.rigid_body.outlook import Outlook, outlook, settling_text
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario

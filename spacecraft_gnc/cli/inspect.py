@@ -28,7 +28,7 @@ _WINDOW = 2.0  # [s] wall over which `topics --rates` counts
 @inspect.command()
 def nodes(domain_id: DomainOption = None, as_json: JsonOption = False) -> None:
     """List the nodes."""
-    from spacecraft_gnc.nodes._graph import GraphView
+    from spacecraft_gnc.ros.graph import GraphView
 
     with GraphView(choose_domain(domain_id)) as view:
         view.discover()
@@ -52,9 +52,9 @@ def topics(
     as_json: JsonOption = False,
 ) -> None:
     """List the topics with type, publishers and subscribers."""
-    from spacecraft_gnc.nodes._endpoints import misfits
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._rates import measure_all
+    from spacecraft_gnc.ros.endpoints import misfits
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.rates import measure_all
 
     with GraphView(choose_domain(domain_id)) as view:
         view.discover()
@@ -91,8 +91,8 @@ def lifecycle(
     as_json: JsonOption = False,
 ) -> None:
     """Show a node's state and the transitions out of it, or go through one."""
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._remote import RemoteLifecycle
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.remote import RemoteLifecycle
 
     with GraphView(choose_domain(domain_id)) as view:
         remote = RemoteLifecycle(view, view.find_node(node))

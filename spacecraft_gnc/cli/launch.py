@@ -30,7 +30,7 @@ from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.launcher.progress import choose
-from spacecraft_gnc.recording._metadata import METADATA_NAME, read_counts, read_losses
+from spacecraft_gnc.recording.metadata import METADATA_NAME, read_counts, read_losses
 
 OutOption = Annotated[
     Path | None,
@@ -158,7 +158,7 @@ def _never_published(plan: LaunchPlan, outcome: Outcome) -> list[str]:
     """Topics beside those of the graph that were to be recorded, and of which nothing came."""
     if not outcome.bags:
         return []
-    from spacecraft_gnc.nodes._topics import foreign
+    from spacecraft_gnc.ros.topics import foreign
 
     counts = [read_counts(Path(bag)) or {} for bag in outcome.bags]
     names = [f"/{name.strip('/')}" for name in foreign(plan.scenario.recorder.topics)]

@@ -19,7 +19,7 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import RecordingError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.analysis.reproduce.report import Report
+    from spacecraft_gnc.studies.report import Report
 
 NameArgument = Annotated[
     str | None,
@@ -51,7 +51,7 @@ def reproduce(
     Ends with 1 where a figure does not come out.
     """
     from spacecraft_gnc.analysis.figures import save_figures
-    from spacecraft_gnc.analysis.reproduce import PAPERS, reproduce, require_paper
+    from spacecraft_gnc.studies import PAPERS, reproduce, require_paper
 
     if name is not None:
         require_paper(name)

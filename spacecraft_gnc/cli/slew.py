@@ -46,8 +46,8 @@ def slew(
 ) -> None:
     """Slew to an attitude and wait until it is reached; Ctrl-C cancels."""
     target = _target(axis, angle_deg, quaternion)
-    from spacecraft_gnc.nodes._graph import GraphView
-    from spacecraft_gnc.nodes._slew_client import slew as fly
+    from spacecraft_gnc.ros.graph import GraphView
+    from spacecraft_gnc.ros.slew_client import slew as fly
 
     def show(step: int, error: float, alpha: float) -> None:
         if not quiet and not as_json:

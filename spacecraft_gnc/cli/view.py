@@ -19,7 +19,7 @@ from spacecraft_gnc.errors import ParameterError
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.live.feed import Feed
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
-    from spacecraft_gnc.nodes._live_flight import LiveFlight
+    from spacecraft_gnc.ros.live_flight import LiveFlight
 
 _LAYOUT = "spacecraft_gnc.foxglove-layout.json"
 BagArgument = Annotated[
@@ -133,7 +133,7 @@ def _run(feed: Feed, flight: RecordedFlight | LiveFlight, stop: _StopRequest) ->
 
 
 def _live(domain_id: int | None, namespace: str) -> LiveFlight:
-    from spacecraft_gnc.nodes._live_flight import LiveFlight
+    from spacecraft_gnc.ros.live_flight import LiveFlight
 
     choose_domain(domain_id)  # refuses where several graphs run
     return LiveFlight(lambda: find_domain(domain_id), namespace)

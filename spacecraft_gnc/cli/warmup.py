@@ -37,12 +37,12 @@ def warmup(
     """Compile the kernels of the built-in cores, and of the scenarios given, into the cache."""
     import numpy as np
 
-    from spacecraft_gnc.analysis.audit import motion
-    from spacecraft_gnc.analysis.audit.plans import Certifier
-    from spacecraft_gnc.loop.controllers import problem_of
-    from spacecraft_gnc.loop.plants import RigidBodyPlant
     from spacecraft_gnc.ocp import ShootingSolver
     from spacecraft_gnc.scenario import load
+    from spacecraft_gnc.vehicles.rigid_body.audit import motion
+    from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
+    from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
+    from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 
     started = time.perf_counter()
     built_in = [*_methods(), *_governors()]

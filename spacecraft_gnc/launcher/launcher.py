@@ -19,7 +19,7 @@ from spacecraft_gnc.launcher.process import NodeProcess, end_all
 from spacecraft_gnc.launcher.progress import Display
 
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
-    from spacecraft_gnc.nodes._supervisor import Supervisor
+    from spacecraft_gnc.ros.supervisor import Supervisor
 
 _BEAT: Final = 0.05  # [s] wall: how late a death or a signal may be noticed
 _STARTUP_PATIENCE: Final = 120.0  # [s] wall until step 0; kernels may have to be compiled
@@ -101,7 +101,7 @@ class Launcher:
         try:
             for name in [COMPOSED] if self.plan.composed else self.plan.nodes:
                 self._start(name, autostart=False)
-            from spacecraft_gnc.nodes._supervisor import Supervisor
+            from spacecraft_gnc.ros.supervisor import Supervisor
 
             with Supervisor(self.plan.nodes, self._domain_id) as supervisor:
                 self.display.waiting(self.plan, self._domain_id)

@@ -13,6 +13,8 @@ from typing import Any, ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.launcher.environment import require_middleware
+from spacecraft_gnc.parameters.yaml_file import Sections
+from spacecraft_gnc.parameters.yaml_scalar import emit
 from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.checked import plain_values
@@ -21,8 +23,6 @@ from spacecraft_gnc.scenario.node_sections import add_file, add_option, given_to
 from spacecraft_gnc.scenario.overrides import replaces_duration
 from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
 from spacecraft_gnc.scenario.shipped import find
-from spacecraft_gnc.scenario.yaml_file import Sections
-from spacecraft_gnc.scenario.yaml_scalar import emit
 
 PLANT: Final = "plant"
 RECORDER: Final = "recorder"

@@ -1,13 +1,1 @@
-"""ROS 2 nodes around the ROS-free cores; rclpy and message packages are imported here only."""
-
-import os
-import sys
-
-from spacecraft_gnc.errors import LaunchError
-from spacecraft_gnc.launcher.environment import require_middleware
-
-try:
-    require_middleware(os.environ)
-except LaunchError as error:  # nobody can catch it: rclpy would end the process, with code 102
-    print(f"error: {error}", file=sys.stderr)
-    raise SystemExit(error.exit_code) from None
+"""ROS 2 nodes: thin hosts around the ROS-free cores."""

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.nodes._endpoints import (
+from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.ros.endpoints import (
     TopicNameRefused,
     full_topic_name,
     matching,
     message_type,
 )
-from spacecraft_gnc.nodes._node import GncNode
-from spacecraft_gnc.nodes._topics import RECORD, Topic
+from spacecraft_gnc.ros.topics import RECORD, Topic
 
 _LOOK: Final = 0.1  # [s] wall between two looks at the graph while a topic has no publisher
 

@@ -10,8 +10,8 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from spacecraft_gnc.nodes._cdr import encode
-from spacecraft_gnc.nodes._topics import INERTIAL_FRAME
+from spacecraft_gnc.ros.cdr import encode
+from spacecraft_gnc.ros.topics import INERTIAL_FRAME
 from spacecraft_gnc.scenario.schema import ZoneParameters
 from spacecraft_gnc.types import Vector3
 

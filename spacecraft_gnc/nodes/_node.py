@@ -20,12 +20,12 @@ from rclpy.timer import Timer
 from std_msgs.msg import String
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.nodes._cdr import encode
-from spacecraft_gnc.nodes._convert import Stamp
 from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
-from spacecraft_gnc.nodes._params import load_scenario
 from spacecraft_gnc.nodes._readiness import Readiness
-from spacecraft_gnc.nodes._topics import DIAGNOSTICS, PLANT, READY, RECORDER, Topic
+from spacecraft_gnc.ros.cdr import encode
+from spacecraft_gnc.ros.convert import Stamp
+from spacecraft_gnc.ros.parameters import load_scenario
+from spacecraft_gnc.ros.topics import DIAGNOSTICS, PLANT, READY, RECORDER, Topic
 from spacecraft_gnc.scenario import Scenario
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages

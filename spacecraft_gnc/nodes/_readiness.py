@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
-from spacecraft_gnc.nodes._topics import Topic
+from spacecraft_gnc.ros.topics import Topic
 
 
 class Readiness:

@@ -33,7 +33,7 @@ from rclpy.utilities import remove_ros_args
 from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
 from spacecraft_gnc.launcher.environment import SUPERVISED, TELL_WHERE, prepare
 from spacecraft_gnc.nodes._node import GncNode
-from spacecraft_gnc.nodes._params import command_line, given_parameters
+from spacecraft_gnc.ros.parameters import command_line, given_parameters
 
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
 _RCLError = rclpy_implementation.RCLError  # has no public name

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from rclpy.action import ActionServer, CancelResponse
@@ -16,14 +16,13 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import State
-from spacecraft_gnc.nodes._topics import SLEW_ACTION
+from spacecraft_gnc.ros.slew_client import REFUSED
+from spacecraft_gnc.ros.topics import SLEW_ACTION
 from spacecraft_gnc.types import Matrix3, Vector3
 
 _FEEDBACK_STRIDE = 10  # control steps between two feedback messages
 _NORM_TOLERANCE = 1e-3  # room for quaternions typed in with a few digits
 _STOPPED = "the governor was stopped"
-REFUSED: Final = "refused: "
-"""How the message of a goal begins that the governor did not take."""
 
 Answer: TypeAlias = "Callable[[GncError | None], None]"
 """Told why a target was not taken; None: it was."""

@@ -8,9 +8,9 @@ from spacecraft_gnc_msgs.msg import GovernorStatus, SolverStatus
 from std_msgs.msg import Header
 
 from spacecraft_gnc.loop.protocols import Command, GovernorDecision
-from spacecraft_gnc.nodes._cdr import Layout
-from spacecraft_gnc.nodes._convert import Stamp
-from spacecraft_gnc.nodes._topics import BODY_FRAME, INERTIAL_FRAME
+from spacecraft_gnc.ros.cdr import Layout
+from spacecraft_gnc.ros.convert import Stamp
+from spacecraft_gnc.ros.topics import BODY_FRAME, INERTIAL_FRAME
 
 _INERTIAL = Header(frame_id=INERTIAL_FRAME)
 _BODY = Header(frame_id=BODY_FRAME)

@@ -10,12 +10,13 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import Command, Reference, State
-from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._markers import encode_zone_markers
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._status import SolverStatusEncoder
-from spacecraft_gnc.nodes._topics import (
+from spacecraft_gnc.nodes._worker import Worker
+from spacecraft_gnc.ros import convert
+from spacecraft_gnc.ros.topics import (
     ATTITUDE_ERROR,
     CONTROLLER,
     REFERENCE,
@@ -26,7 +27,6 @@ from spacecraft_gnc.nodes._topics import (
     WALL_STATUS_PERIOD,
     ZONE_MARKERS,
 )
-from spacecraft_gnc.nodes._worker import Worker
 from spacecraft_gnc.scenario import Scenario
 
 _NEVER = -1

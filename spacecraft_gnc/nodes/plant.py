@@ -12,12 +12,12 @@ from std_msgs.msg import UInt64
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.nodes import _convert as convert
-from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._pace import FreeRun, Lockstep
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.nodes._topics import (
+from spacecraft_gnc.ros import convert
+from spacecraft_gnc.ros.cdr import Layout
+from spacecraft_gnc.ros.topics import (
     CLOCK,
     INVARIANTS,
     PLANT,

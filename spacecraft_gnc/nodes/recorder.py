@@ -13,14 +13,25 @@ from rclpy.qos import QoSProfile
 from std_msgs.msg import UInt64
 
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.nodes._bag_topics import announce, message_time, middleware, scenario_text
-from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.nodes._foreign import ForeignTopics
 from spacecraft_gnc.nodes._losses import SequenceWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._parameter_dump import ParameterDump
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.nodes._topics import (
+from spacecraft_gnc.recording.provenance import (
+    LOCK_ATTACHMENT,
+    PARAMETERS_ATTACHMENT,
+    RUN_RECORD,
+    lock_file,
+    run_record,
+)
+from spacecraft_gnc.recording.run_info import DEFAULTS_ATTACHMENT, SCENARIO_ATTACHMENT
+from spacecraft_gnc.recording.stamps import step_of
+from spacecraft_gnc.recording.steps import SPARSE
+from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
+from spacecraft_gnc.ros.bag_topics import announce, message_time, middleware, scenario_text
+from spacecraft_gnc.ros.cdr import Layout
+from spacecraft_gnc.ros.topics import (
     CLOCK,
     PLANT,
     RECORD,
@@ -32,17 +43,6 @@ from spacecraft_gnc.nodes._topics import (
     Topic,
     foreign,
 )
-from spacecraft_gnc.recording._topic import step_of
-from spacecraft_gnc.recording.provenance import (
-    LOCK_ATTACHMENT,
-    PARAMETERS_ATTACHMENT,
-    RUN_RECORD,
-    lock_file,
-    run_record,
-)
-from spacecraft_gnc.recording.run_info import DEFAULTS_ATTACHMENT, SCENARIO_ATTACHMENT
-from spacecraft_gnc.recording.steps import SPARSE
-from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
 from spacecraft_gnc.scenario import Scenario
 
 _STEP = Layout(UInt64())

@@ -12,13 +12,14 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import GncError, LaunchError
 from spacecraft_gnc.loop.protocols import GovernorDecision, Reference, State
-from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._governor_watch import GovernorWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._slew_server import Answer, SlewServer
 from spacecraft_gnc.nodes._status import GovernorStatusEncoder
-from spacecraft_gnc.nodes._topics import (
+from spacecraft_gnc.nodes._worker import Worker
+from spacecraft_gnc.ros import convert
+from spacecraft_gnc.ros.topics import (
     ACCEPTED_TARGET,
     GOVERNOR,
     GOVERNOR_STATUS,
@@ -26,7 +27,6 @@ from spacecraft_gnc.nodes._topics import (
     STATE,
     TARGET,
 )
-from spacecraft_gnc.nodes._worker import Worker
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Matrix3, Vector3, read_only
 

@@ -20,7 +20,7 @@ import zstandard
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording import BAG_FOLDER
 from spacecraft_gnc.recording._index import read_index
-from spacecraft_gnc.recording._metadata import INFORMATION, METADATA_NAME
+from spacecraft_gnc.recording.metadata import INFORMATION, METADATA_NAME
 from spacecraft_gnc.recording.recover import MAGIC, rewrite
 
 MCAP_SUFFIX: Final = ".mcap"

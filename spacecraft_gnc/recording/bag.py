@@ -24,9 +24,9 @@ from spacecraft_gnc.recording import _types
 from spacecraft_gnc.recording._files import BagFiles, bag_files, bag_in, damage, whole_copies
 from spacecraft_gnc.recording._index import ChannelInfo, Index, read_index
 from spacecraft_gnc.recording._layout import Definitions
-from spacecraft_gnc.recording._metadata import METADATA_NAME
 from spacecraft_gnc.recording._scan import Block, Progress, messages, read_block
 from spacecraft_gnc.recording._verify import verify
+from spacecraft_gnc.recording.metadata import METADATA_NAME
 from spacecraft_gnc.recording.qos import QosProfile, parse_qos
 
 _NO_SPAN: Final = (0, -1)

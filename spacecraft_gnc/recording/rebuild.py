@@ -18,7 +18,7 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import prepare_folder, stopped
 from spacecraft_gnc.recording._files import MCAP_SUFFIX, bag_files, bag_in, damage
-from spacecraft_gnc.recording._metadata import (
+from spacecraft_gnc.recording.metadata import (
     DISTRO,
     GAPLESS,
     LOSSES_RECORD,
@@ -28,9 +28,9 @@ from spacecraft_gnc.recording._metadata import (
     dump,
     write_metadata,
 )
-from spacecraft_gnc.recording._topic import STEPPED_START, Topic
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
+from spacecraft_gnc.recording.stamps import STEPPED_START, Topic
 from spacecraft_gnc.recording.steps import SPARSE
 
 _REPORT_EVERY: Final = 1000  # messages between two reports of the progress

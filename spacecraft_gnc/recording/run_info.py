@@ -9,11 +9,11 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from spacecraft_gnc.errors import GncError, ParameterError
-from spacecraft_gnc.recording._metadata import LOSSES_RECORD, RECOVERED_RECORD
+from spacecraft_gnc.parameters.parameter import Value
+from spacecraft_gnc.recording.metadata import LOSSES_RECORD, RECOVERED_RECORD
 from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
-from spacecraft_gnc.scenario.defaults import follows_from_formula
-from spacecraft_gnc.scenario.former import former_defaults
-from spacecraft_gnc.scenario.parameter import Value
+from spacecraft_gnc.vehicles.rigid_body.parameters.defaults import follows_from_formula
+from spacecraft_gnc.vehicles.rigid_body.parameters.former import former_defaults
 
 SCENARIO_ATTACHMENT: Final = "scenario.yaml"
 """Name under which a recorder attaches the scenario that flew, with overrides merged in."""

@@ -18,7 +18,7 @@ from mcap.writer import CompressionType, Writer
 from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording._file import RecordFile, prepare_folder, refused_message, stopped
-from spacecraft_gnc.recording._metadata import (
+from spacecraft_gnc.recording.metadata import (
     DISTRO,
     GAPLESS,
     LOSSES_RECORD,
@@ -27,8 +27,8 @@ from spacecraft_gnc.recording._metadata import (
     dump,
     write_metadata,
 )
-from spacecraft_gnc.recording._topic import STEPPED_START, Topic, TopicCount
 from spacecraft_gnc.recording.schema_text import canonical_name, fields
+from spacecraft_gnc.recording.stamps import STEPPED_START, Topic, TopicCount
 
 CHUNK_SIZE: Final = 256 * 1024  # [bytes]
 FLUSH_PERIOD: Final = 0.5

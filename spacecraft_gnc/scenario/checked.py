@@ -8,6 +8,10 @@ from typing import Final
 
 import numpy as np
 
+from spacecraft_gnc.parameters.parameter import Value
+from spacecraft_gnc.parameters.problems import Problem, shown, suggestion
+from spacecraft_gnc.parameters.values import Refusal, admissible
+from spacecraft_gnc.parameters.yaml_file import Entry, Given
 from spacecraft_gnc.scenario.declare import (
     Declaration,
     declarations,
@@ -16,11 +20,7 @@ from spacecraft_gnc.scenario.declare import (
     spec_of,
     zone_of,
 )
-from spacecraft_gnc.scenario.parameter import Value
-from spacecraft_gnc.scenario.problems import Problem, shown, suggestion
 from spacecraft_gnc.scenario.schema import SECTIONS
-from spacecraft_gnc.scenario.values import Refusal, admissible
-from spacecraft_gnc.scenario.yaml_file import Entry, Given
 
 _ROUNDING: Final = 1e-9
 

@@ -10,18 +10,18 @@ import re
 
 import numpy as np
 
+from spacecraft_gnc.parameters.parameter import Value, specs_of
+from spacecraft_gnc.parameters.problems import shown, suggestion
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.checked import Checked
 from spacecraft_gnc.scenario.checks_governor import check_governor_parameters
 from spacecraft_gnc.scenario.checks_method import check_method
-from spacecraft_gnc.scenario.checks_pointing import check_pointing
-from spacecraft_gnc.scenario.checks_target import check_target
-from spacecraft_gnc.scenario.checks_torque import check_torque
-from spacecraft_gnc.scenario.parameter import Value, specs_of
-from spacecraft_gnc.scenario.problems import shown, suggestion
 from spacecraft_gnc.scenario.schema import SECTIONS, PlantParameters
 from spacecraft_gnc.solvability import largest_free_step
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.checks.pointing import check_pointing
+from spacecraft_gnc.vehicles.rigid_body.checks.target import check_target
+from spacecraft_gnc.vehicles.rigid_body.checks.torque import check_torque
 
 MAXIMUM_STEPS = 10**9
 _STEP_TOLERANCE = 1e-12  # relative; the closed loop compares the periods as strictly

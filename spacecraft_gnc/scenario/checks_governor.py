@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
+from spacecraft_gnc.parameters.problems import shown
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.checked import Checked
-from spacecraft_gnc.scenario.problems import shown
 
 _GOVERNOR: Final = "reference_governor"
 _ATTITUDE: Final = "attitude"

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from typing import Final
 
+from spacecraft_gnc.parameters.problems import shown, suggestion
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.checked import Checked
-from spacecraft_gnc.scenario.problems import shown, suggestion
 
 _CONTROLLER: Final = "nmpc_controller"
 _NOMINAL_RUN: Final = "nominal_rotation_vector"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, Final, NamedTuple
 
-from spacecraft_gnc.scenario.parameter import Kind, ParameterSpec, Value, specs_of
+from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, Value, specs_of
 from spacecraft_gnc.scenario.schema import SECTIONS, WeightParameters, ZoneParameters
 
 PLUGIN_PREFIX: Final = "plugin."

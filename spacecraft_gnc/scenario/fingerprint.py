@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from spacecraft_gnc.scenario.yaml_scalar import emit
+from spacecraft_gnc.parameters.yaml_scalar import emit
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.scenario.parameter import Value
+    from spacecraft_gnc.parameters.parameter import Value
     from spacecraft_gnc.scenario.scenario import Scenario
 
 FLOWN: Final = ("plant", "nmpc_controller", "reference_governor")

@@ -7,11 +7,14 @@ from pathlib import Path
 from typing import Any, Final
 
 from spacecraft_gnc.arguments import require_kind, require_path
+from spacecraft_gnc.parameters.parameter import Value, specs_of, typed
+from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggestion
+from spacecraft_gnc.parameters.values import plain
+from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, read
 from spacecraft_gnc.scenario.checked import Checked, check_values, plain_values
 from spacecraft_gnc.scenario.checks import check_all
 from spacecraft_gnc.scenario.checks_method import unread_by
 from spacecraft_gnc.scenario.declare import flatten, spec_of, unflatten
-from spacecraft_gnc.scenario.defaults import Stated, fill_in
 from spacecraft_gnc.scenario.node_sections import (
     ROOT,
     add_file,
@@ -21,8 +24,6 @@ from spacecraft_gnc.scenario.node_sections import (
     unread,
 )
 from spacecraft_gnc.scenario.overrides import Overrides, apply
-from spacecraft_gnc.scenario.parameter import Value, specs_of, typed
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, suggestion
 from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.scenario.schema import (
     SECTIONS,
@@ -35,8 +36,7 @@ from spacecraft_gnc.scenario.schema import (
     ZoneParameters,
 )
 from spacecraft_gnc.scenario.shipped import find
-from spacecraft_gnc.scenario.values import plain
-from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, read
+from spacecraft_gnc.vehicles.rigid_body.parameters.defaults import Stated, fill_in
 
 _CONTROLLER: Final = "nmpc_controller"
 

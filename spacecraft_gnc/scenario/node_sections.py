@@ -17,10 +17,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggestion
+from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, parse_value, read
 from spacecraft_gnc.scenario.declare import is_ros_own, known_names, spec_of
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, suggestion
 from spacecraft_gnc.scenario.schema import SECTIONS
-from spacecraft_gnc.scenario.yaml_file import Entry, Given, Sections, parse_value, read
 
 ROOT: Final = "/"
 OPTION: Final = "-p"

@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from spacecraft_gnc.arguments import as_tuple, require_kind
+from spacecraft_gnc.parameters.problems import Problem, shown, suggestion
+from spacecraft_gnc.parameters.values import plain
+from spacecraft_gnc.parameters.yaml_file import Entry, Given, parse_value
+from spacecraft_gnc.parameters.yaml_scalar import Scalar
 from spacecraft_gnc.scenario.declare import flatten
-from spacecraft_gnc.scenario.problems import Problem, shown, suggestion
 from spacecraft_gnc.scenario.schema import SECTIONS
-from spacecraft_gnc.scenario.values import plain
-from spacecraft_gnc.scenario.yaml_file import Entry, Given, parse_value
-from spacecraft_gnc.scenario.yaml_scalar import Scalar
 
 _DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
 Overrides = Mapping[str, Any] | Sequence[str]

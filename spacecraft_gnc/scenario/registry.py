@@ -19,7 +19,9 @@ from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop import traits as methods
 from spacecraft_gnc.loop.traits import MethodTraits
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, shown, suggestion
+from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, shown, suggestion
+
+_RIGID_BODY: Final = "spacecraft_gnc.vehicles.rigid_body"
 
 
 class BuiltIn(NamedTuple):
@@ -32,19 +34,29 @@ class BuiltIn(NamedTuple):
 
 
 BUILT_IN: Final[dict[str, dict[str, BuiltIn]]] = {
-    "plants": {"rigid_body": BuiltIn("spacecraft_gnc.loop.plants:RigidBodyPlant")},
+    "plants": {"rigid_body": BuiltIn(f"{_RIGID_BODY}.plant:RigidBodyPlant")},
     "controllers": {
-        "shooting": BuiltIn("spacecraft_gnc.loop.controllers:ShootingController", methods.SHOOTING),
+        "shooting": BuiltIn(
+            f"{_RIGID_BODY}.controllers.solvers:ShootingController",
+            methods.SHOOTING,
+        ),
         "neighboring_extremal": BuiltIn(
-            "spacecraft_gnc.loop.neighboring:NeighboringExtremalController",
+            f"{_RIGID_BODY}.controllers.neighboring:NeighboringExtremalController",
             methods.NEIGHBORING_EXTREMAL,
         ),
-        "slsqp": BuiltIn("spacecraft_gnc.loop.controllers:SlsqpController", methods.SLSQP),
-        "fsolve": BuiltIn("spacecraft_gnc.loop.controllers:FsolveController", methods.FSOLVE),
-        "terminal_set": BuiltIn(
-            "spacecraft_gnc.loop.terminal_set:TerminalSetController", methods.TERMINAL_SET
+        "slsqp": BuiltIn(f"{_RIGID_BODY}.controllers.solvers:SlsqpController", methods.SLSQP),
+        "fsolve": BuiltIn(
+            f"{_RIGID_BODY}.controllers.solvers:FsolveController",
+            methods.FSOLVE,
         ),
-        "feedback": BuiltIn("spacecraft_gnc.loop.feedback:FeedbackController", methods.FEEDBACK),
+        "terminal_set": BuiltIn(
+            f"{_RIGID_BODY}.controllers.terminal_set:TerminalSetController",
+            methods.TERMINAL_SET,
+        ),
+        "feedback": BuiltIn(
+            f"{_RIGID_BODY}.controllers.feedback:FeedbackController",
+            methods.FEEDBACK,
+        ),
     },
     "governors": {
         "none": BuiltIn("spacecraft_gnc.governors.pass_through:PassThroughGovernor"),

@@ -11,10 +11,12 @@ import numpy as np
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.traits import MethodTraits
+from spacecraft_gnc.parameters.parameter import Value
+from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, problem_of
+from spacecraft_gnc.parameters.yaml_file import PARAMETERS_KEY
+from spacecraft_gnc.parameters.yaml_scalar import emit
 from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.scenario.declare import flatten, known_names, unflatten
-from spacecraft_gnc.scenario.parameter import Value
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem, problem_of
 from spacecraft_gnc.scenario.schema import (
     ControllerParameters,
     GovernorParameters,
@@ -22,8 +24,6 @@ from spacecraft_gnc.scenario.schema import (
     PlantParameters,
     RecorderParameters,
 )
-from spacecraft_gnc.scenario.yaml_file import PARAMETERS_KEY
-from spacecraft_gnc.scenario.yaml_scalar import emit
 from spacecraft_gnc.types import Matrix3
 
 if TYPE_CHECKING:  # the cores need numba, a check of a file does not

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from spacecraft_gnc.scenario.parameter import (
+from spacecraft_gnc.parameters.parameter import (
     ANGLES,
     LARGEST,
     LONGEST,
@@ -22,9 +22,9 @@ from spacecraft_gnc.scenario.parameter import (
     NodeParameters,
     parameter,
 )
-from spacecraft_gnc.scenario.schema_controller import ControllerParameters
-from spacecraft_gnc.scenario.schema_cost import WeightParameters, ZoneParameters
 from spacecraft_gnc.types import Matrix3, Vector3
+from spacecraft_gnc.vehicles.rigid_body.parameters.controller import ControllerParameters
+from spacecraft_gnc.vehicles.rigid_body.parameters.cost import WeightParameters, ZoneParameters
 
 __all__ = [
     "NODE_NAMES",

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Final
 
-from spacecraft_gnc.scenario.problems import InvalidScenario, Problem
+from spacecraft_gnc.parameters.problems import InvalidScenario, Problem
 
 _FOLDER: Final = Path("share", "spacecraft_gnc", "config")
 _SUFFIX: Final = ".yaml"

@@ -11,9 +11,9 @@ from recording.bags import CODEC, TOPICS
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit.run import audit_bag
-from spacecraft_gnc.recording._topic import step_of
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
+from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import read_sections
 

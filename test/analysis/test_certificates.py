@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from independent import Problem
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.audit.plans import Certifier, Plans
 from spacecraft_gnc.ocp import AttitudeOcp, PointingZone, ShootingSolver
+from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
 
 TINY = 1e-30  # imaginary step: a complex derivative has no cancellation
 STAR = PointingZone("exclusion", [1.0, 0.0, 0.0], [0.9276, 0.3736, 0.0], 0.7, 0.5)

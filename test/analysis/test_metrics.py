@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import settle_time, summarize
-from spacecraft_gnc.loop.controllers import problem_of
-from spacecraft_gnc.loop.terminal_set import TerminalSetController
 from spacecraft_gnc.ocp import ShootingSolver, Status, TerminalSetSolver
 from spacecraft_gnc.scenario import from_sections, load
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
+from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set import TerminalSetController
 
 
 def about_z(degrees):

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.reproduce import PAPERS, bagherzadeh2023_study, reproduce
-from spacecraft_gnc.analysis.reproduce.report import Check, Table, seconds, table_lines
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.studies import PAPERS, bagherzadeh2023_study, reproduce
+from spacecraft_gnc.studies.report import Check, Table, seconds, table_lines
 
 
 @pytest.fixture(scope="module", params=list(PAPERS))
@@ -117,7 +117,7 @@ def test_a_folder_that_is_a_file_is_refused_before_anything_flies(tmp_path, caps
 
 
 def test_a_figure_that_does_not_come_out_ends_with_1(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("spacecraft_gnc.analysis.reproduce.bagherzadeh2023.LINEAR", (0.9, 3.6, 7.0))
+    monkeypatch.setattr("spacecraft_gnc.studies.bagherzadeh2023.LINEAR", (0.9, 3.6, 7.0))
     assert run("bagherzadeh2023", "--quiet", "--out", tmp_path) == 1
     captured = capsys.readouterr()
     assert captured.out == ""

@@ -12,9 +12,9 @@ from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.resolve import resolve
 from spacecraft_gnc.analysis.resolve_report import compare, figure
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.scenario import load, revise
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 CONFIG = DATA.parents[1] / "config"
 SHORT = {"plant.duration": 16.0, "launcher.cut_short": True}

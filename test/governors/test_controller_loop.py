@@ -17,7 +17,6 @@ from spacecraft_gnc.governors.controller_loop import ControllerLoopPredictor, Sh
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
 from spacecraft_gnc.loop import Command, Reference, Source, State
-from spacecraft_gnc.loop.controllers import ShootingController, SolverController
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
     NeighboringExtremal,
@@ -27,6 +26,10 @@ from spacecraft_gnc.ocp import (
 )
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
+    ShootingController,
+    SolverController,
+)
 
 INERTIA = np.diag([1.0, 0.8, 0.8])
 BODY = RigidBody(INERTIA, 0.4)

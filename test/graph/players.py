@@ -33,10 +33,10 @@ from spacecraft_gnc_msgs.msg import (
 )
 
 from spacecraft_gnc.launcher import environment
-from spacecraft_gnc.nodes._topics import reliable
-from spacecraft_gnc.recording._topic import step_of
 from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
+from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.ros.topics import reliable
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 60.0

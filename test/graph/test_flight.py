@@ -14,8 +14,8 @@ from live.layout import require_filled, shown
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.nodes._cdr import Layout
 from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.ros.cdr import Layout
 
 pytestmark = pytest.mark.graph
 

@@ -22,14 +22,14 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc_msgs.msg import GovernorStatus
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.audit.ledger import Check
 from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.audit.ledger import Check
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted
 from spacecraft_gnc.loop.protocols import Reference
-from spacecraft_gnc.nodes import _convert as convert
-from spacecraft_gnc.nodes._topics import DIAGNOSTICS, GOVERNOR, GOVERNOR_STATUS, TARGET
 from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.ros import convert
+from spacecraft_gnc.ros.topics import DIAGNOSTICS, GOVERNOR, GOVERNOR_STATUS, TARGET
 
 pytestmark = pytest.mark.graph
 

@@ -18,8 +18,8 @@ from rclpy.task import Future
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import NodeDied
 from spacecraft_gnc.launcher.progress import Display
-from spacecraft_gnc.nodes._topics import TORQUE
 from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.ros.topics import TORQUE
 
 pytestmark = pytest.mark.graph
 
@@ -31,7 +31,7 @@ PATIENCE = 30.0  # [s] wall
 OVERRIDES = ("plant.duration=4.0", "nmpc_controller.method=patient")
 PATIENT = f"""
 import time
-from spacecraft_gnc.loop.controllers import ShootingController
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
 
 class PatientController(ShootingController):
     name = "patient"

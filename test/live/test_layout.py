@@ -27,7 +27,7 @@ CONFIGS = {
 def topics():
     """Return the type of every topic that a bag holds, by full name."""
     pytest.importorskip("rclpy")
-    from spacecraft_gnc.nodes._topics import TOPICS
+    from spacecraft_gnc.ros.topics import TOPICS
 
     return {
         f"/{topic.name.strip('/')}": "/".join(

@@ -11,10 +11,10 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors import PassThroughGovernor
 from spacecraft_gnc.loop import ClosedLoop
-from spacecraft_gnc.loop.controllers import ShootingController
-from spacecraft_gnc.loop.plants import RigidBodyPlant
-from spacecraft_gnc.loop.standstill import StandstillMonitor
 from spacecraft_gnc.ocp import AttitudeOcp, ShootingSolver, Weights
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
+from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
+from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 
 INERTIA = np.diag([1.0, 0.8, 0.8])
 

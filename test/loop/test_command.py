@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from spacecraft_gnc.loop import Command, Reference, Source, Standstill, State
-from spacecraft_gnc.loop.controllers import ShootingController
 from spacecraft_gnc.ocp import Status
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
 
 REST = State(0, np.eye(3), np.zeros(3))
 TARGET = Reference(np.eye(3), np.zeros(3), np.zeros(3))

@@ -9,14 +9,6 @@ import pytest
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Reference, Source, State
-from spacecraft_gnc.loop.controllers import (
-    FsolveController,
-    OnlineNeighboringController,
-    ShootingController,
-    SlsqpController,
-    SolverController,
-)
-from spacecraft_gnc.loop.neighboring import NominalRunController
 from spacecraft_gnc.ocp import (
     FsolveSolver,
     NeighboringExtremal,
@@ -25,6 +17,14 @@ from spacecraft_gnc.ocp import (
     SlsqpSolver,
     StateContinuation,
     Status,
+)
+from spacecraft_gnc.vehicles.rigid_body.controllers.neighboring import NominalRunController
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
+    FsolveController,
+    OnlineNeighboringController,
+    ShootingController,
+    SlsqpController,
+    SolverController,
 )
 
 LIMIT = 0.01

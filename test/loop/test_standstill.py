@@ -9,9 +9,9 @@ import pytest
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Reference, State
-from spacecraft_gnc.loop import standstill as module
-from spacecraft_gnc.loop.standstill import StandstillMonitor
 from spacecraft_gnc.ocp import AttitudeOcp, PointingZone, ShootingSolver, Status, Weights
+from spacecraft_gnc.vehicles.rigid_body.controllers import standstill as module
+from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
 
 LIMIT = 0.01
 REST = np.zeros(3)

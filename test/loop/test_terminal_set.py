@@ -13,9 +13,9 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.loop import Source, State
 from spacecraft_gnc.loop.protocols import Reference
-from spacecraft_gnc.loop.terminal_set import TerminalSetController
 from spacecraft_gnc.ocp import Status, TerminalSetSolver
 from spacecraft_gnc.scenario import InvalidScenario, load
+from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set import TerminalSetController
 
 CONFIG = Path(__file__).parents[2] / "config"
 

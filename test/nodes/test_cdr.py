@@ -26,8 +26,8 @@ from spacecraft_gnc_msgs.msg import (
 )
 from std_msgs.msg import Header, String, UInt64
 
-from spacecraft_gnc.nodes._cdr import Layout, encode
 from spacecraft_gnc.nodes._markers import encode_zone_markers
+from spacecraft_gnc.ros.cdr import Layout, encode
 from spacecraft_gnc.scenario import from_sections
 
 BOUNDS = {"b": 2**7, "h": 2**15, "i": 2**31, "q": 2**63}

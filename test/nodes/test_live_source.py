@@ -16,10 +16,13 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.live.history import COLUMNS
 from spacecraft_gnc.analysis.live.picture import Phase
 from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Reference, Source, State
-from spacecraft_gnc.nodes import _convert as convert
-from spacecraft_gnc.nodes._live_source import LiveSource
 from spacecraft_gnc.nodes._status import GovernorStatusEncoder, SolverStatusEncoder
-from spacecraft_gnc.nodes._topics import (
+from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
+from spacecraft_gnc.nodes.plant import PlantNode
+from spacecraft_gnc.nodes.reference_governor import GovernorNode
+from spacecraft_gnc.ros import convert
+from spacecraft_gnc.ros.live_source import LiveSource
+from spacecraft_gnc.ros.topics import (
     ACCEPTED_TARGET,
     GOVERNOR_STATUS,
     REFERENCE,
@@ -28,9 +31,6 @@ from spacecraft_gnc.nodes._topics import (
     TORQUE,
     WALL_TIMING,
 )
-from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
-from spacecraft_gnc.nodes.plant import PlantNode
-from spacecraft_gnc.nodes.reference_governor import GovernorNode
 
 ZERO = np.zeros(3)
 PERIOD_NS = 400_000_000

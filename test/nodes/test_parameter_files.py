@@ -17,8 +17,8 @@ from spacecraft_gnc.launcher import domain, environment
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.plan import make_plan, node_options
 from spacecraft_gnc.launcher.progress import Display
-from spacecraft_gnc.nodes._params import command_line
 from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.ros.parameters import command_line
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.checked import plain_values
 from spacecraft_gnc.scenario.node_sections import given_to, node_names
@@ -44,7 +44,7 @@ print(json.dumps(told, default=list))
 CHECK_NODES = """
 import json, sys
 import rclpy
-from spacecraft_gnc.nodes._params import load_scenario
+from spacecraft_gnc.ros.parameters import load_scenario
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.recorder import RecorderNode

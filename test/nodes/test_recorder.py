@@ -20,9 +20,9 @@ from spacecraft_gnc_msgs.msg import AttitudeReference
 from std_msgs.msg import String
 
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.nodes._topics import ACCEPTED_TARGET, RECORD, STATE, TARGET, foreign
 from spacecraft_gnc.nodes.recorder import RecorderNode
 from spacecraft_gnc.recording.bag import open_bag
+from spacecraft_gnc.ros.topics import ACCEPTED_TARGET, RECORD, STATE, TARGET, foreign
 
 MANY = RECORD.depth + 500  # messages: more than the recorder's reader keeps
 

@@ -13,11 +13,11 @@ from spacecraft_gnc_msgs.msg import AttitudeReference, AttitudeState, TorqueComm
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import Reference, State
-from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
+from spacecraft_gnc.ros import convert
 
 ZERO = np.zeros(3)
 IDENTITY = np.eye(3)

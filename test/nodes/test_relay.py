@@ -20,11 +20,11 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from spacecraft_gnc.nodes import _relay
-from spacecraft_gnc.nodes._cdr import encode
-from spacecraft_gnc.nodes._endpoints import Endpoint, TopicInfo
-from spacecraft_gnc.nodes._relay import Relay
-from spacecraft_gnc.nodes._topics import latched
+from spacecraft_gnc.ros import relay as _relay
+from spacecraft_gnc.ros.cdr import encode
+from spacecraft_gnc.ros.endpoints import Endpoint, TopicInfo
+from spacecraft_gnc.ros.relay import Relay
+from spacecraft_gnc.ros.topics import latched
 
 pytest.importorskip("foxglove")
 ROOT = Path(__file__).resolve().parents[2]

@@ -15,9 +15,9 @@ from spacecraft_gnc_msgs.action import SlewTo
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import State
-from spacecraft_gnc.nodes import _convert as convert
-from spacecraft_gnc.nodes._topics import ACCEPTED_TARGET
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
+from spacecraft_gnc.ros import convert
+from spacecraft_gnc.ros.topics import ACCEPTED_TARGET
 
 ZERO = np.zeros(3)
 

@@ -12,13 +12,13 @@ from rclpy.node import Node
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Command, Reference, State
-from spacecraft_gnc.loop.controllers import ShootingController
 from spacecraft_gnc.loop.traits import SHOOTING
-from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes import _worker
-from spacecraft_gnc.nodes._topics import CLOCK
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
+from spacecraft_gnc.ros import convert
+from spacecraft_gnc.ros.topics import CLOCK
 from spacecraft_gnc.scenario import registry
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
 ZERO = np.zeros(3)

@@ -19,9 +19,9 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
 from spacecraft_gnc.loop import Reference, State
 from spacecraft_gnc.loop.protocols import GovernorDecision
-from spacecraft_gnc.nodes import _convert as convert
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
+from spacecraft_gnc.ros import convert
 from spacecraft_gnc.scenario import registry
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed

@@ -11,8 +11,8 @@ from spacecraft_gnc_msgs.msg import SolverStatus
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Command, Reference, Source, Standstill, State
-from spacecraft_gnc.nodes._cdr import encode
 from spacecraft_gnc.nodes._status import SolverStatusEncoder
+from spacecraft_gnc.ros.cdr import encode
 from spacecraft_gnc.scenario import from_sections
 
 HORIZON = 5

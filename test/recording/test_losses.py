@@ -9,8 +9,8 @@ import pytest
 import yaml
 from recording.bags import CODEC
 
-from spacecraft_gnc.recording._metadata import read_losses
 from spacecraft_gnc.recording.bag import open_bag
+from spacecraft_gnc.recording.metadata import read_losses
 from spacecraft_gnc.recording.writer import BagWriter
 
 STRING = "std_msgs/msg/String"

@@ -95,8 +95,8 @@ def every_type(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from rclpy.serialization import serialize_message
     from visualization_msgs.msg import Marker, MarkerArray
 
-    from spacecraft_gnc.nodes._bag_topics import announce
-    from spacecraft_gnc.nodes._topics import TOPICS
+    from spacecraft_gnc.ros.bag_topics import announce
+    from spacecraft_gnc.ros.topics import TOPICS
 
     nested = {
         MarkerArray: MarkerArray(markers=[Marker(ns="zone", text="star")]),

@@ -12,7 +12,8 @@ from flown_bags import fly
 from spacecraft_gnc.analysis.audit.run import audit_bag
 from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.recording.run_info import parse_scenario
-from spacecraft_gnc.scenario import Scenario, defaults, from_sections, known
+from spacecraft_gnc.scenario import Scenario, from_sections
+from spacecraft_gnc.vehicles.rigid_body.parameters import defaults, known
 
 INERTIA = [2.0, 0.0, 0.0, 0.0, 1.8, 0.0, 0.0, 0.0, 1.5]
 LEFT_OPEN: dict[str, dict[str, Any]] = {

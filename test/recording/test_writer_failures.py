@@ -17,7 +17,8 @@ import pytest
 from recording.bags import CODEC
 
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.recording import _metadata, writer
+from spacecraft_gnc.recording import metadata as _metadata
+from spacecraft_gnc.recording import writer
 from spacecraft_gnc.recording._file import RecordFile
 from spacecraft_gnc.recording.recover import WholeRecords
 from spacecraft_gnc.recording.writer import BagWriter

@@ -13,7 +13,7 @@ from strategies import inertias
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.scenario import InvalidScenario, Scenario, from_sections, load
-from spacecraft_gnc.scenario.checks_torque import shortest_time
+from spacecraft_gnc.vehicles.rigid_body.checks.torque import shortest_time
 
 INERTIA = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
 MOMENTS = st.floats(0.2, 10.0)

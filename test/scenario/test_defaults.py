@@ -10,10 +10,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from strategies import inertias, rotations
 
-from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.ocp import ShootingSolver, linearize
 from spacecraft_gnc.scenario import Scenario, from_sections, load
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 DIAGONAL = np.diag([1.0, 0.8, 0.8])
 ROUNDED = 1e-11  # defaults keep 12 digits

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strategies import rotations, unit_vectors
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.scenario.pointing_cones import (
+from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
     Cone,
     angle_of,
     direction,

@@ -16,11 +16,11 @@ from typer.testing import CliRunner
 
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.cli.main import app
-from spacecraft_gnc.loop.controllers import problem_of
 from spacecraft_gnc.ocp import ShootingSolver, linearize
 from spacecraft_gnc.scenario import Scenario, from_sections, load
-from spacecraft_gnc.scenario.prediction import Prediction, predict
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
+from spacecraft_gnc.vehicles.rigid_body.prediction import Prediction, predict
 
 ISS = [128913292.0, -5997592.0, -1099690.0, -5997592.0, 107321738.0, 575054.0, -1099690.0, 575054.0]
 ISS = [*ISS, 201433275.0]  # [kg m^2]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, typed
+from spacecraft_gnc.parameters.values import admissible
 from spacecraft_gnc.scenario.declare import Declaration, declarations, flatten, unflatten
-from spacecraft_gnc.scenario.parameter import Kind, ParameterSpec, typed
 from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
-from spacecraft_gnc.scenario.values import admissible
 
 ALL = [
     pytest.param(declaration, id=f"{section}.{declaration.name}")

@@ -15,9 +15,9 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from spacecraft_gnc.parameters.yaml_file import parse_value
+from spacecraft_gnc.parameters.yaml_scalar import emit, parse_plain
 from spacecraft_gnc.scenario import read_sections
-from spacecraft_gnc.scenario.yaml_file import parse_value
-from spacecraft_gnc.scenario.yaml_scalar import emit, parse_plain
 
 # text as it stands in a file -> what rclpy 7.1.6 (Jazzy) makes of it
 READ_BY_ROS: dict[str, Any] = {

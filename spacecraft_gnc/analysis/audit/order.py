@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.analysis.audit.evidence import LEADING, Evidence
-from spacecraft_gnc.analysis.audit.ledger import Ledger
+from spacecraft_gnc.audit.evidence import LEADING, Evidence
+from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.recording.steps import (
     GOVERNOR_STATUS,
     INVARIANTS,

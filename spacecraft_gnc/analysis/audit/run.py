@@ -9,23 +9,23 @@ from typing import Any
 
 import numpy as np
 
-from spacecraft_gnc.analysis.audit.counts import Counts
-from spacecraft_gnc.analysis.audit.decisions import audit_decisions
-from spacecraft_gnc.analysis.audit.evidence import Evidence, Progress, read_evidence
-from spacecraft_gnc.analysis.audit.failures import FAILURES
-from spacecraft_gnc.analysis.audit.ledger import Check, Difference, Ledger
-from spacecraft_gnc.analysis.audit.motion import applied_torques, audit_motion
 from spacecraft_gnc.analysis.audit.order import audit_order
-from spacecraft_gnc.analysis.audit.plans import Certifier
-from spacecraft_gnc.analysis.audit.references import audit_references
-from spacecraft_gnc.analysis.audit.rungs import LAW, NO_SOLVE, audit_law
-from spacecraft_gnc.analysis.audit.solver import SolverAudit
-from spacecraft_gnc.analysis.audit.torques import audit_torques, held_steps
 from spacecraft_gnc.analysis.limits import Exceedance, as_dicts, limits_exceeded
+from spacecraft_gnc.audit.counts import Counts
+from spacecraft_gnc.audit.evidence import Evidence, Progress, read_evidence
+from spacecraft_gnc.audit.ledger import Check, Difference, Ledger
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
 from spacecraft_gnc.scenario import Scenario, registry
 from spacecraft_gnc.scenario.fingerprint import fingerprint
+from spacecraft_gnc.vehicles.rigid_body.audit.decisions import audit_decisions
+from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
+from spacecraft_gnc.vehicles.rigid_body.audit.motion import applied_torques, audit_motion
+from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
+from spacecraft_gnc.vehicles.rigid_body.audit.references import audit_references
+from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LAW, NO_SOLVE, audit_law
+from spacecraft_gnc.vehicles.rigid_body.audit.solver import SolverAudit
+from spacecraft_gnc.vehicles.rigid_body.audit.torques import audit_torques, held_steps
 
 
 @dataclass(frozen=True, slots=True)

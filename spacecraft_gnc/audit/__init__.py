@@ -1,0 +1,1 @@
+"""Audit library: the ledger of checks, the evidence that they read."""

@@ -1,0 +1,1 @@
+"""Parameters: one declaration each, its value, its ROS 2 YAML form, its problems."""

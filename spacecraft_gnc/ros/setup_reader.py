@@ -1,0 +1,110 @@
+"""The scenario that flies, read from the parameters of its nodes without holding anybody up."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Final
+
+from rclpy.node import Node
+from rclpy.parameter import parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.ros.parameters import ROS_OWN
+from spacecraft_gnc.ros.remote import NOT_SET
+from spacecraft_gnc.ros.topics import CONTROLLER, GOVERNOR, PLANT
+from spacecraft_gnc.scenario import Scenario, from_sections
+
+_RETRY: Final = 1.0  # [s] wall: an answer may be lost, and parameters are declared on configure
+_PROOF: Final = {PLANT: "duration", CONTROLLER: "method", GOVERNOR: "governor"}
+"""A parameter of each node that is there once the node is configured."""
+
+
+class SetupReader:
+    """Asks plant, controller and governor for their parameters; never waits.
+
+    Parameters
+    ----------
+    node
+        The observer's.
+    prefix
+        Namespace of the spacecraft, with slashes.
+    """
+
+    def __init__(self, node: Node, prefix: str) -> None:
+        self._questions = {
+            name: _Question(node, f"{prefix}{name}", _PROOF[name]) for name in _PROOF
+        }
+        self._told = False
+
+    def restart(self) -> None:
+        """Ask anew: another flight begins."""
+        self._told = False
+        for question in self._questions.values():
+            question.restart()
+
+    def poll(self, now: float) -> Scenario | None:
+        """Return the scenario, once; None as long as it is not known. ``now``: wall time [s]."""
+        if self._told:
+            return None
+        for question in self._questions.values():
+            question.poll(now)
+        sections = {name: q.values for name, q in self._questions.items() if q.values}
+        if PLANT not in sections or CONTROLLER not in sections:
+            return None
+        if GOVERNOR not in sections and self._questions[GOVERNOR].is_there:
+            return None
+        self._told = True
+        try:
+            return from_sections(sections)
+        except GncError:  # of another version: what it means is not known here
+            return None
+
+
+class _Question:
+    """One node's parameters: first their names, then their types, then their values."""
+
+    def __init__(self, node: Node, name: str, proof: str) -> None:
+        self._client = AsyncParameterClient(node, name)
+        self._proof = proof
+        self.restart()
+
+    def restart(self) -> None:
+        self.values: dict[str, Any] = {}
+        self._asked = -math.inf
+        self._answer: Any = None
+        self._take: Callable[[Any], None] = self._take_names
+
+    @property
+    def is_there(self) -> bool:
+        return bool(self._client.services_are_ready())
+
+    def poll(self, now: float) -> None:
+        if self.values or not self.is_there:
+            return
+        if now - self._asked >= _RETRY:
+            self._asked = now
+            self._ask(self._client.list_parameters(), self._take_names)
+        elif self._answer is not None and self._answer.done():
+            answer, self._answer = self._answer.result(), None
+            self._take(answer)
+
+    def _ask(self, question: Any, take: Callable[[Any], None]) -> None:
+        self._answer, self._take = question, take
+
+    def _take_names(self, answer: Any) -> None:
+        self._names = sorted(set(answer.result.names) - set(ROS_OWN))
+        if self._proof in self._names:  # else it is not configured yet
+            self._ask(self._client.get_parameter_types(self._names), self._take_types)
+
+    def _take_types(self, answer: Any) -> None:
+        # One that is declared but not set makes a node answer nothing at all.
+        known = zip(self._names, answer.types, strict=False)
+        self._names = [name for name, kind in known if kind != NOT_SET]
+        self._ask(self._client.get_parameters(self._names), self._take_values)
+
+    def _take_values(self, answer: Any) -> None:
+        values = map(parameter_value_to_python, answer.values)
+        found = zip(self._names, values, strict=False)
+        self.values = {n: v for n, v in found if not n.startswith("qos_overrides.")}

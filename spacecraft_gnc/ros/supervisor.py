@@ -1,0 +1,194 @@
+"""The launcher's own ROS 2 node: drives life cycles and listens for progress."""
+
+from __future__ import annotations
+
+import math
+import os
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetState
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from spacecraft_gnc_msgs.msg import WallTiming
+
+from spacecraft_gnc.launcher.environment import prepare
+from spacecraft_gnc.ros.topics import PLANT, WALL_STATUS, WALL_TIMING
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class Stage(Enum):
+    """How far a node has come."""
+
+    STARTING = "starting"
+    CONFIGURING = "configuring"
+    CONFIGURED = "configured"
+    ACTIVATING = "activating"
+    ACTIVE = "active"
+    REFUSED = "refused"
+
+
+@dataclass(slots=True)
+class Progress:
+    """What the graph last told about itself."""
+
+    step: int = -1
+    """Last control step reported; -1: none."""
+    wall_elapsed: float = 0.0
+    """Since step 0 [s]."""
+    latency: float = math.nan
+    """State to torque [s]."""
+    missed_deadlines: int = 0
+    status_step: int = -1
+    """Control step that attitude error and solve time belong to; -1: none."""
+    attitude_error: float = math.nan
+    """Angle between attitude and reference [rad]."""
+    solve_time: float = math.nan
+    """[s]"""
+
+
+class Supervisor:
+    """Brings nodes to life and knows how they fare. Use it as a context manager.
+
+    Parameters
+    ----------
+    names
+        Nodes to look after.
+    domain_id
+        ROS_DOMAIN_ID of the graph.
+    """
+
+    def __init__(self, names: Sequence[str], domain_id: int) -> None:
+        prepare(os.environ)
+        options = SignalHandlerOptions.NO
+        rclpy.init(args=[], domain_id=domain_id, signal_handler_options=options)
+        self._node = Node(f"launcher_{os.getpid()}", start_parameter_services=False)
+        self._executor = EventsExecutor()
+        self._executor.add_node(self._node)
+        self._nodes = {name: _Managed(self._node, name) for name in names}
+        self.progress = Progress()
+        for topic, callback in ((WALL_TIMING, self._on_timing), (WALL_STATUS, self._on_status)):
+            self._node.create_subscription(topic.type, topic.name, callback, topic.qos)
+
+    def __enter__(self) -> Self:
+        """Return the supervisor."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the graph."""
+        self._executor.remove_node(self._node)
+        del self._executor  # it holds our callbacks, and we it: no garbage collector sees that
+        self._node.destroy_node()
+        rclpy.try_shutdown()
+
+    def spin(self, wall_time: float) -> None:
+        """Handle what arrives for about ``wall_time`` seconds, and push every node on."""
+        deadline = time.monotonic() + wall_time
+        self._push()
+        while (remaining := deadline - time.monotonic()) > 0.0:
+            self._executor.spin_once(timeout_sec=remaining)
+        self._push()
+
+    def stages(self) -> dict[str, Stage]:
+        """Return how far each node has come."""
+        return {name: node.stage for name, node in self._nodes.items()}
+
+    def _push(self) -> None:
+        """Configure all together; activate when all are configured, the plant last."""
+        stages = [node.stage for node in self._nodes.values()]
+        all_configured = not {Stage.STARTING, Stage.CONFIGURING} & set(stages)
+        for name, node in self._nodes.items():
+            others = (n.stage for other, n in self._nodes.items() if other != name)
+            allowed = name != PLANT or all(stage is Stage.ACTIVE for stage in others)
+            node.push(may_activate=all_configured and allowed)
+
+    def _on_timing(self, message: WallTiming) -> None:
+        progress = self.progress
+        progress.step = message.step
+        progress.wall_elapsed = message.wall_elapsed
+        progress.latency = message.wall_latency
+        progress.missed_deadlines = message.missed_deadlines
+
+    def _on_status(self, message: Any) -> None:
+        values = {entry.key: entry.value for entry in message.status[0].values}
+        self.progress.status_step = int(values.get("step", -1))
+        self.progress.attitude_error = float(values.get("attitude_error", math.nan))
+        self.progress.solve_time = float(values.get("wall_solve_time", math.nan))
+
+
+class _Managed:
+    """One lifecycle node, seen from outside.
+
+    A reply is lost if it leaves before the node has discovered us: a service has no late joiners.
+    So a node that does not answer for a while is asked what state it is in.
+    """
+
+    def __init__(self, node: Node, name: str) -> None:
+        self._change = node.create_client(ChangeState, f"{name}/change_state")
+        self._get = node.create_client(GetState, f"{name}/get_state")
+        self._answer: Any = None
+        self._look: Any = None
+        self._looks = 0
+        self._patience_ends = 0.0
+        self.stage = Stage.STARTING
+
+    def push(self, *, may_activate: bool) -> None:
+        """Take the next step towards ACTIVE, if it can be taken now."""
+        if self.stage is Stage.STARTING and self._change.service_is_ready():
+            self._ask(Stage.CONFIGURING)
+        elif self.stage is Stage.CONFIGURED and may_activate:
+            self._ask(Stage.ACTIVATING)
+        elif self._answer is not None:
+            self._read_answer()
+
+    def _ask(self, stage: Stage) -> None:
+        request = ChangeState.Request()
+        request.transition.id = _TRANSITION[stage]
+        self._answer = self._change.call_async(request)
+        self.stage = stage
+        self._looks = 0
+        self._be_patient()
+
+    def _be_patient(self) -> None:
+        self._look = None
+        self._patience_ends = time.monotonic() + _PATIENCE
+
+    def _read_answer(self) -> None:
+        if self._answer.done():
+            success = self._answer.result().success
+            self._answer = None
+            self.stage = _NEXT[self.stage] if success else Stage.REFUSED
+        elif self._look is not None and self._look.done():
+            self._read_state(self._look.result().current_state.label)
+        elif time.monotonic() >= self._patience_ends:
+            self._look = self._get.call_async(GetState.Request())
+            self._patience_ends = time.monotonic() + _PATIENCE
+
+    def _read_state(self, label: str) -> None:
+        if label == _LABEL[self.stage]:
+            self._answer = None
+            self.stage = _NEXT[self.stage]
+        elif label == _LABEL_BEFORE[self.stage] and self._looks >= _LOOKS_BEFORE_ASKING_AGAIN:
+            self._ask(self.stage)  # the request itself was lost, or will be refused again
+        else:
+            self._looks += 1
+            self._be_patient()
+
+
+_PATIENCE = 1.0  # [s] wall time without an answer
+_LOOKS_BEFORE_ASKING_AGAIN = 5
+_TRANSITION = {
+    Stage.CONFIGURING: Transition.TRANSITION_CONFIGURE,
+    Stage.ACTIVATING: Transition.TRANSITION_ACTIVATE,
+}
+_NEXT = {Stage.CONFIGURING: Stage.CONFIGURED, Stage.ACTIVATING: Stage.ACTIVE}
+_LABEL = {Stage.CONFIGURING: "inactive", Stage.ACTIVATING: "active"}
+_LABEL_BEFORE = {Stage.CONFIGURING: "unconfigured", Stage.ACTIVATING: "inactive"}

@@ -1,0 +1,1 @@
+"""Vehicles: one room each, found by the entry-point group ``spacecraft_gnc.vehicles``."""

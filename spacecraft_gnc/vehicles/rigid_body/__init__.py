@@ -1,0 +1,1 @@
+"""Rigid body: a spacecraft turned by a body torque."""

@@ -1,0 +1,1 @@
+"""Audit of the rigid body: its motion, its plans, its decisions."""

@@ -1,0 +1,61 @@
+"""Whether the references, and what the governor says of them, make sense by themselves."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.audit.evidence import Evidence
+from spacecraft_gnc.audit.ledger import Ledger
+from spacecraft_gnc.recording.steps import GOVERNOR_STATUS, REFERENCE
+from spacecraft_gnc.vehicles.rigid_body.audit.decisions import BUILT_IN
+
+ROUNDING: Final = 1e-13
+_ATTITUDE, _ORIENTATION = "attitude_reference.attitude", "attitude_reference.orientation"
+
+
+def audit_references(evidence: Evidence, ledger: Ledger) -> None:
+    """Check the references, then the governor's claims, without asking the governor."""
+    columns = evidence.columns[REFERENCE]
+    if not columns.steps.size:
+        ledger.skip("references are rotations", "attitude_reference was not recorded")
+        return
+    attitudes = columns.fields["attitude"].reshape(-1, 3, 3)
+    defect = np.einsum("kji,kjl->kil", attitudes, attitudes) - np.eye(3)
+    ledger.bound("references are rotations", columns.steps, _ATTITUDE, defect, ROUNDING)
+    name = "quaternion = rotation matrix"
+    again = np.array([lie.to_quaternion_xyzw(attitude) for attitude in attitudes])
+    recorded = columns.fields["orientation"]
+    ledger.compare(name, columns.steps, {_ORIENTATION: recorded}, {_ORIENTATION: again})
+    _feedforward(evidence, ledger)
+    _decisions(evidence, ledger)
+
+
+def _feedforward(evidence: Evidence, ledger: Ledger) -> None:
+    """Check that the references of our own governors, which all stand still, ask for no motion."""
+    columns, name = evidence.columns[REFERENCE], "feedforward of a fixed reference"
+    governor = evidence.scenario.governor.governor
+    if governor not in BUILT_IN:
+        ledger.skip(name, f"governor {governor} is a plug-in's, whose reference may move")
+        return
+    for field in ("angular_velocity", "torque"):
+        told, where = columns.fields[field], f"attitude_reference.{field}"
+        ledger.compare(name, columns.steps, {where: told}, {where: np.zeros_like(told)})
+
+
+def _decisions(evidence: Evidence, ledger: Ledger) -> None:
+    """Check that a share lies between 0 and 1, and that what is admissible has room."""
+    columns = evidence.columns[GOVERNOR_STATUS]
+    name, sign = "alpha between 0 and 1", "margin >= 0 where admissible"
+    if not columns.steps.size:
+        for skipped in (name, sign):
+            ledger.skip(skipped, "governor_status was not recorded")
+        return
+    alpha, margin = columns.fields["alpha"], columns.fields["margin"]
+    kept = (alpha >= 0.0) & (alpha <= 1.0)
+    ledger.require(name, "always", columns.steps, "governor_status.alpha", kept)
+    admissible = columns.fields["admissible"]
+    where = "governor_status.margin"
+    ledger.require(sign, "always", columns.steps, where, (margin >= 0.0) == admissible)

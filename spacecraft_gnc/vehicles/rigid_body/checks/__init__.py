@@ -1,0 +1,1 @@
+"""Checks of a rigid body's scenario: whether its values fit together."""

@@ -1,0 +1,1 @@
+"""Control methods of the rigid body."""

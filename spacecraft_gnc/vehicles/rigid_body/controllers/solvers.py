@@ -1,0 +1,290 @@
+"""Torque laws behind the `Controller` protocol: the solvers of `ocp`, with what a flight needs.
+
+Every controller here flies the same way: one solve from the last one's multipliers, the failure
+ladder behind it, and the certificate of the loop at a standstill.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+
+from spacecraft_gnc.arguments import require_members
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
+from spacecraft_gnc.loop.traits import FSOLVE, NEIGHBORING_EXTREMAL, SHOOTING, SLSQP
+from spacecraft_gnc.ocp import (
+    AttitudeOcp,
+    AutomaticContinuation,
+    Continuation,
+    EffortContinuation,
+    FsolveSolver,
+    HorizonContinuation,
+    NeighboringExtremal,
+    NeighboringOptions,
+    PenaltyContinuation,
+    ShootingOptions,
+    ShootingSolver,
+    SlsqpSolver,
+    Solution,
+    StateContinuation,
+    Weights,
+    cheapest,
+    linearize,
+)
+from spacecraft_gnc.ocp.zones import zones_of
+from spacecraft_gnc.types import Array, ArrayLike
+from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
+from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+
+
+class Solver(Protocol):
+    """What `SolverController` flies: any solver of `ocp`."""
+
+    @property
+    def ocp(self) -> AttitudeOcp:
+        """Problem solved."""
+
+    def solve(
+        self,
+        attitude: ArrayLike,
+        momentum: ArrayLike,
+        reference: ArrayLike | None = None,
+        warm_start: Array | None = None,
+    ) -> Solution:
+        """Solve from a state."""
+
+    def warm_up(self) -> None:
+        """Compile or load the kernels."""
+
+
+class SolverController:
+    """NMPC: one solve a step, the failure ladder behind it.
+
+    Parameters
+    ----------
+    solver : Solver
+    monitor : StandstillMonitor, optional
+        Looks for standstills away from the target.
+    continuation : Continuation, optional
+        Tried where a solve fails warm and cold, or takes more Newton steps than its ``patience``;
+        the cheaper solution is flown.
+
+    Notes
+    -----
+    The multipliers of one solve, shifted by one step, start the next. A failed solve leaves no
+    warm start behind; where a warm start fails, the same step is tried once more from zero. What
+    is tried depends on the count of Newton steps alone, never on the time that they took.
+    """
+
+    name = "solver"
+    slow = False
+
+    def __init__(
+        self,
+        solver: Solver,
+        monitor: StandstillMonitor | None = None,
+        continuation: Continuation | None = None,
+    ) -> None:
+        self.solver = require_members(
+            "solver", solver, ("ocp", "solve", "warm_up"), "solver of ocp"
+        )
+        self.period = solver.ocp.time_step
+        self._monitor = monitor
+        self._continuation = continuation
+        self._ladder = FallbackLadder(solver.ocp)
+        self._warm_start: Array | None = None
+
+    def warm_up(self) -> None:
+        """Compile or load the kernels, those of the ladder and the standstill included."""
+        self.solver.warm_up()
+        linearize(self.solver.solve(np.eye(3), np.zeros(3)))
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget warm start and plan."""
+        self._warm_start = None
+        self._ladder.reset()
+
+    def command(self, state: State, reference: Reference) -> Command:
+        """Solve from ``state`` and return the torque of the highest rung of the ladder."""
+        command = self._ladder.command(state, reference, self._solve(state, reference))
+        optimal = command.source is Source.OPTIMAL
+        if self._monitor is None or command.solution is None or not optimal:
+            return command
+        finding = self._monitor.examine(command.solution)
+        if finding is None:
+            return command
+        return command._replace(torque=finding.torque, standstill=finding.standstill)
+
+    def _solve(self, state: State, reference: Reference) -> Solution | None:
+        solution = self.solve(state, reference, self._warm_start)
+        self._warm_start = None if solution is None else solution.warm_start
+        return solution
+
+    def solve(
+        self, state: State, reference: Reference, warm_start: Array | None
+    ) -> Solution | None:
+        """Try everything that this controller tries in one step, from given multipliers (N, 6).
+
+        Returns the first solve that converged, else the last one that failed; None where the solver
+        refuses the state or the reference. The warm start of the next step stays what it was.
+        """
+        problem = (state.attitude, state.momentum, reference.attitude)
+        try:
+            solution = self.solver.solve(*problem, warm_start)
+            if warm_start is not None and not solution.converged:
+                solution = self.solver.solve(*problem)
+            way = self._continuation
+            if way is not None and (not solution.converged or solution.iterations > way.patience):
+                solution = self._compared(solution, way.solve(*problem))
+        except GncError:  # a state or reference that is no state: the ladder deals with it
+            return None
+        return solution
+
+    def _compared(self, direct: Solution, other: Solution) -> Solution:
+        """Return the better of two solutions of one step."""
+        return cheapest((direct, other))
+
+
+class ShootingController(SolverController):
+    """``method: shooting``: Newton's method on the first-order conditions."""
+
+    name = "shooting"
+    traits = SHOOTING
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> ShootingController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        ocp, options = problem_of(scenario), options_of(scenario)
+        solver = ShootingSolver(ocp, scenario.controller.variant, options)
+        return cls(solver, monitor_of(scenario, ocp), continuation_of(scenario, ocp))
+
+
+class OnlineNeighboringController(SolverController):
+    """``method: neighboring_extremal``: corrections of the last optimum, solves where needed."""
+
+    name = "neighboring_extremal"
+    traits = NEIGHBORING_EXTREMAL
+
+    def __init__(
+        self,
+        solver: NeighboringExtremal,
+        monitor: StandstillMonitor | None = None,
+        continuation: Continuation | None = None,
+    ) -> None:
+        super().__init__(solver, monitor, continuation)
+        self._sequence = solver
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> OnlineNeighboringController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        c, ocp = scenario.controller, problem_of(scenario)
+        sequence = NeighboringExtremal(
+            ocp, NeighboringOptions(c.ne_tolerance, c.ne_max_age), options_of(scenario)
+        )
+        return cls(sequence, monitor_of(scenario, ocp), continuation_of(scenario, ocp))
+
+    def _compared(self, direct: Solution, other: Solution) -> Solution:
+        """Return the better of two solutions; only the sequence's own can be corrected."""
+        best = super()._compared(direct, other)
+        if best.torques is not direct.torques:
+            self._sequence.forget()
+        return best
+
+    def reset(self) -> None:
+        """Forget warm start, plan and the last optimum."""
+        super().reset()
+        self._sequence.reset()
+
+
+class SlsqpController(SolverController):
+    """``method: slsqp``: scipy's sequential quadratic programming, the papers' baseline."""
+
+    name = "slsqp"
+    slow = True
+    traits = SLSQP
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> SlsqpController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        ocp = problem_of(scenario)
+        return cls(SlsqpSolver(ocp), monitor_of(scenario, ocp))
+
+
+class FsolveController(SolverController):
+    """``method: fsolve``: MINPACK on the shooting equations, the papers' other baseline."""
+
+    name = "fsolve"
+    slow = True
+    traits = FSOLVE
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> FsolveController:
+        """Build the controller of a scenario's section ``nmpc_controller``."""
+        ocp = problem_of(scenario)
+        return cls(FsolveSolver(ocp), monitor_of(scenario, ocp))
+
+
+CONTINUATIONS: Final[dict[str, Callable[[AttitudeOcp, ShootingOptions], Continuation]]] = {
+    "auto": AutomaticContinuation,
+    "penalty": PenaltyContinuation,
+    "state": StateContinuation,
+    "horizon": HorizonContinuation,
+    "effort": EffortContinuation,
+}
+"""Words of a scenario, beside none."""
+
+
+def options_of(scenario: Scenario) -> ShootingOptions:
+    """Return the options of Newton's method of a scenario's section ``nmpc_controller``."""
+    c = scenario.controller
+    return ShootingOptions(
+        c.residual_tolerance, c.max_iterations, c.formulation, c.step_rule, c.damping
+    )
+
+
+def monitor_of(scenario: Scenario, ocp: AttitudeOcp) -> StandstillMonitor:
+    """Return the standstill monitor of a scenario's section ``nmpc_controller``."""
+    c = scenario.controller
+    names = [zone.name for zone in c.zones]
+    return StandstillMonitor(ocp, math.radians(c.standstill_error_deg), names)
+
+
+def continuation_of(scenario: Scenario, ocp: AttitudeOcp) -> Continuation | None:
+    """Return the continuation that a scenario asks for; None where it asks for none."""
+    c, options = scenario.controller, options_of(scenario)
+    if c.continuation not in CONTINUATIONS:
+        return None
+    way = CONTINUATIONS[c.continuation](ocp, options)
+    if c.variant != "exact" or c.step_rule != "backtracking":
+        way.patience = math.inf  # many Newton steps are no sign of a long way
+    return way
+
+
+def problem_of(scenario: Scenario) -> AttitudeOcp:
+    """Return the optimal control problem of a scenario's section ``nmpc_controller``."""
+    c = scenario.controller
+    w = c.weights
+    return AttitudeOcp(
+        inertia=c.inertia,
+        time_step=c.time_step,
+        horizon=c.horizon,
+        weights=Weights(
+            w.stage_attitude,
+            w.stage_momentum,
+            w.stage_torque,
+            w.terminal_attitude,
+            w.terminal_momentum,
+        ),
+        max_torque=c.max_torque,
+        torque_penalty=c.torque_penalty,
+        zones=zones_of(scenario),
+        actuators=c.actuators if c.actuators.size else None,
+    )

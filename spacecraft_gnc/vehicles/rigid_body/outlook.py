@@ -1,0 +1,112 @@
+"""Outlook of a scenario for ``gnc check``: when its loop settles, whether it keeps its limit."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.vehicles.rigid_body.prediction import Prediction
+
+LARGEST_EXCESS: Final = 1e-3
+"""Share of the torque limit above which a warning is due."""
+
+
+class Outlook(NamedTuple):
+    """The prediction, what the first solve adds to it, and the warnings that follow."""
+
+    prediction: Prediction | None
+    excess: float
+    """Share of the torque limit by which the first torque exceeds it."""
+    warnings: tuple[str, ...]
+
+
+def outlook(scenario: Scenario, cut_short: bool) -> Outlook:
+    """Return what a scenario that can fly is to expect.
+
+    ``cut_short``: its duration is shorter on purpose, and no warning is due.
+    """
+    from spacecraft_gnc.vehicles.rigid_body.prediction import predict
+
+    prediction = predict(scenario)
+    if prediction is None:
+        return Outlook(None, 0.0, ())
+    excess = prediction.most_excess
+    if excess > LARGEST_EXCESS:
+        excess = _first_excess(scenario)
+    warnings = [*_of_settling(scenario, prediction, cut_short), *_of_limit(scenario, excess)]
+    return Outlook(prediction, excess, tuple(warnings))
+
+
+def settling_text(scenario: Scenario, prediction: Prediction | None) -> str:
+    """Return the predicted settling time in words."""
+    if prediction is None:
+        return f"not predicted for method {scenario.controller.method}"
+    below = f"{scenario.governor.slew_tolerance_deg:g} deg"
+    radius = f"spectral radius {prediction.spectral_radius:.4g} at the target"
+    if math.isinf(prediction.settling_time):
+        return f"never below {below} for good, {radius}"
+    from_then = f"below {below} for good from {prediction.settling_time:.4g} s"
+    return f"{from_then}, predicted without zones and governor; {radius}"
+
+
+def _of_settling(scenario: Scenario, prediction: Prediction, cut_short: bool) -> list[str]:
+    duration, settled = scenario.n_steps * scenario.period, prediction.settling_time
+    if settled <= duration or (cut_short and not math.isinf(settled)):
+        return []
+    instead = _instead(scenario)
+    if math.isinf(settled):
+        text = (
+            "nmpc_controller: the loop does not settle at its target: received a spectral radius "
+            f"of {prediction.spectral_radius:.6g} a step; required less than 1; use a horizon of 2 "
+            f"steps or more{instead}"
+        )
+    else:
+        text = (
+            f"plant.duration: received {duration:g} s; required at least {settled:.4g} s, after "
+            f"which the error is predicted to stay below {scenario.governor.slew_tolerance_deg:g} "
+            f"deg; lengthen it{instead or ', or shorten nmpc_controller.settling_time'}"
+        )
+    return [f"{scenario.path}: {text}"]
+
+
+def _instead(scenario: Scenario) -> str:
+    """Return what to do about given weights or gains; empty where none is given."""
+    given = scenario.sections.get("nmpc_controller", {})
+    if not any(name == "weights" or name.endswith("_gain") for name in given):
+        return ""
+    return ", or leave out weights and gains, which then follow from nmpc_controller.settling_time"
+
+
+def _of_limit(scenario: Scenario, excess: float) -> list[str]:
+    if not excess > LARGEST_EXCESS:
+        return []
+    c = scenario.controller
+    factor = f"{1.0 + excess:.4g} times" if excess > 1.0 else f"{excess:.2%} above"
+    return [
+        (
+            f"{scenario.path}: nmpc_controller.torque_penalty: received {c.torque_penalty:g}, too "
+            f"little beside the weights: the first torque is {factor} max_torque {c.max_torque:g} "
+            f"N m; required at most {LARGEST_EXCESS:.1%} above; raise it, or leave it out"
+        )
+    ]
+
+
+def _first_excess(scenario: Scenario) -> float:
+    """Return by which share the controls of the first solve exceed their limit; 0: unknown."""
+    import numpy as np
+
+    from spacecraft_gnc import lie
+    from spacecraft_gnc.ocp import ShootingSolver
+    from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import options_of, problem_of
+
+    plant = scenario.plant
+    solver = ShootingSolver(problem_of(scenario), options=options_of(scenario))
+    start = lie.exp(plant.initial_rotation_vector)
+    target = lie.exp(scenario.governor.target_rotation_vector)
+    solution = solver.solve(start, plant.initial_momentum, target)
+    if not solution.converged:
+        return 0.0
+    controls = solver.ocp.allocation @ solution.torques[0]
+    return max(0.0, float(np.linalg.norm(controls)) / scenario.controller.max_torque - 1.0)

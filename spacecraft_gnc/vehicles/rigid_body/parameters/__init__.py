@@ -1,0 +1,1 @@
+"""Parameters of the rigid body, and the defaults that follow from them."""
