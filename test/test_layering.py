@@ -24,6 +24,7 @@ LAYERS = (
     {"parameters"},
     {"loop"},
     # Until the redesign has put the shells above the vehicles, one layer.
+    {"drawing"},
     {"vehicles", "scenario", "recording", "audit", "analysis"},
     {"campaign"},
     {"studies"},
@@ -53,7 +54,7 @@ def may_import(path: str, library: str) -> bool:
     if library in ("mcap", "rosbags", "mcap_ros2"):
         return layer == "recording"
     if library in ("matplotlib", "plotly", "pyarrow", "foxglove"):
-        return layer in ("analysis", "studies")
+        return layer in ("analysis", "drawing", "vehicles", "studies")
     return library != "dask" or layer == "campaign"
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.analysis import series, style
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.drawing import style
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:

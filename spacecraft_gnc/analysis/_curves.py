@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
-from spacecraft_gnc.analysis import style
-from spacecraft_gnc.analysis.panels import TIME_LABEL
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.axes import TIME_LABEL, plain_numbers
+from spacecraft_gnc.drawing.axes import limit as draw_limit
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class Curve:
         if self.logarithmic and known.size:
             axes.set_yscale("log")
             axes.set_ylim(max(_LEAST_ERROR, 0.5 * known.min()), 2.5 * known.max())
-            axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            plain_numbers(axes.yaxis)
         else:
             axes.yaxis.set_major_locator(MaxNLocator(5))
             axes.margins(y=0.08)
@@ -58,7 +59,7 @@ class Curve:
             axes.axhspan(low, 0.0, color=style.LIMIT_COLOUR, alpha=0.10, linewidth=0.0)
             axes.set_ylim(bottom=low)
         for text, limit in self.limits.items():
-            axes.axhline(limit, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--")
+            draw_limit(axes, limit)
             axes.annotate(
                 text, (1.0, limit), xycoords=("axes fraction", "data"), xytext=(-2, -3),
                 textcoords="offset points", ha="right", va="top", fontsize=8.0,

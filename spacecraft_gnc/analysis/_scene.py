@@ -16,9 +16,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from spacecraft_gnc.analysis import panels, sphere, style
+from spacecraft_gnc.analysis import panels
 from spacecraft_gnc.analysis._curves import curves
 from spacecraft_gnc.analysis._spacecraft import draw_spacecraft
+from spacecraft_gnc.drawing import sphere, style
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from spacecraft_gnc.types import Array
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from spacecraft_gnc.analysis.sphere import View
+    from spacecraft_gnc.drawing.sphere import View
 
 _BODY = (0.13, 0.10, 0.10)  # half lengths, along the instrument axis first; radius of the sphere: 1
 _TUBE = (0.06, 0.13, 0.27)  # radius, and from where to where along the instrument axis

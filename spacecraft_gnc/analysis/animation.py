@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from PIL import Image
 
-from spacecraft_gnc.analysis import style
 from spacecraft_gnc.analysis._animated_run import AnimatedRun, animated_run
 from spacecraft_gnc.analysis._scene import Scene
-from spacecraft_gnc.analysis.whole_file import whole_file
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.whole_file import whole_file
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array
 

@@ -1,37 +1,23 @@
-"""Publication figures of one flight, written as PNG, SVG or PDF."""
+"""Publication figures of one flight."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from pathlib import Path
-from typing import TYPE_CHECKING, Final, TypeAlias
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels, series, style
-from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.analysis import panels, series
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Draw, Maker, stacked
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario import Scenario
 
-FORMATS: Final = ("png", "svg", "pdf")
-SINGLE = (6.3, 3.2)  # [inch]
-DOUBLE = (6.3, 5.2)
 _SQUARE = (5.2, 5.6)
 _OVERVIEW = (11.0, 8.6)
-# No date in the files: the same flight gives the same bytes.
-_METADATA: Final[Mapping[str, Mapping[str, None]]] = {
-    "png": {},
-    "svg": {"Date": None},
-    "pdf": {"CreationDate": None},
-}
-Draw: TypeAlias = "Callable[[Axes], None]"
-Maker: TypeAlias = "Callable[[], Figure]"
 
 
 def flight_figures(
@@ -123,64 +109,3 @@ def _overview(draw: Mapping[str, Draw], title: str) -> Figure:
         if title:
             figure.suptitle(title, fontsize=12, fontweight="bold")
         return figure
-
-
-def stacked(size: tuple[float, float], *draw: Draw) -> Figure:
-    """Return a figure with diagrams above each other, over one time axis."""
-    with style.applied():
-        figure = Figure(size, layout="constrained")
-        axes = figure.subplots(len(draw), 1, sharex=True, squeeze=False)[:, 0]
-        for panel, draw_panel in zip(axes, draw, strict=True):
-            draw_panel(panel)
-        for panel in axes[:-1]:
-            panel.set_xlabel("")
-        return figure
-
-
-def save_figures(
-    figures: Iterable[tuple[str, Figure]], folder: Path, formats: Iterable[str] = ("png",)
-) -> list[Path]:
-    """Write figures to ``folder``/NAME.FORMAT, each in one step.
-
-    Parameters
-    ----------
-    figures
-        Names and figures, as from `flight_figures`.
-    folder
-        Created if need be.
-    formats
-        Of `FORMATS`.
-
-    Returns
-    -------
-    list of Path
-        The files written.
-
-    Raises
-    ------
-    RecordingError
-        If the folder cannot be written.
-    """
-    formats = tuple(formats)
-    written: list[Path] = []
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, figure in figures:
-            written += [_save(figure, folder / f"{name}.{kind}", kind) for kind in formats]
-    except OSError as error:
-        raise RecordingError(
-            f"{folder}: figures cannot be written ({os.strerror(error.errno or 0)}); required a "
-            "folder that can be written, with free space; choose another with --out"
-        ) from error
-    return written
-
-
-def _save(figure: Figure, path: Path, kind: str) -> Path:
-    temporary = path.with_name(f".{path.name}.tmp")
-    try:
-        with style.applied():
-            figure.savefig(temporary, format=kind, metadata=dict(_METADATA[kind]))
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
-    return path

@@ -11,9 +11,10 @@ import numpy as np
 
 from spacecraft_gnc.analysis import panels_record as panels
 from spacecraft_gnc.analysis import representations as forms
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.figures import DOUBLE, SINGLE, Maker, stacked
-from spacecraft_gnc.analysis.panels import TIME_LABEL
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.axes import TIME_LABEL, legend_below
+from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Maker, stacked
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 _BAND: Final = (6.3, 1.7)  # [inch]
 _TRIPLE: Final = (6.3, 7.4)  # [inch]
-_DASHES: Final = (*style.AXIS_STYLES, (0, (5, 1, 1, 1)))
 
 
 def record_makers(
@@ -148,12 +148,12 @@ def _over_time(
         for i, (name, trajectory) in enumerate(flights.items()):
             times = series.state_times(trajectory)[: len(values[name])]
             colour = style.RUN_COLOURS[i % len(style.RUN_COLOURS)]
-            dashes = _DASHES[i % len(_DASHES)]
+            dashes = style.COMPONENT_STYLES[i % len(style.COMPONENT_STYLES)]
             axes.plot(times, values[name], color=colour, linestyle=dashes, label=name)
         axes.set(title=title, xlabel=TIME_LABEL, ylabel=label)
         axes.set_yscale(scale)
         axes.margins(x=0.0)
-        panels.legend_below(axes)
+        legend_below(axes)
 
     return partial(_drawn, SINGLE, draw)
 

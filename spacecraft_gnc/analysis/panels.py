@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from itertools import zip_longest
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import MaxNLocator
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import series, sphere, style
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import SETTLE_THRESHOLDS_DEG, settle_time
+from spacecraft_gnc.drawing import sphere, style
+from spacecraft_gnc.drawing.axes import component, frame, legend, plain_numbers, positive
+from spacecraft_gnc.drawing.axes import limit as draw_limit
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -21,7 +24,6 @@ if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario.schema import ZoneParameters
 
-TIME_LABEL: Final = "time [s]"
 _COMPONENTS = "xyz"
 _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale hides the median
 
@@ -45,13 +47,12 @@ def attitude_error(axes: Axes, trajectory: Trajectory, *, scale: str = "log") ->
         beside = series.attitude_error_deg(trajectory)
         label = "to the governor's reference"
         axes.plot(times, beside, color=style.AXIS_COLOURS[0], linewidth=1.0, label=label)
-    axes.set(title="Attitude error", xlabel=TIME_LABEL, ylabel="angle [deg]")
-    axes.set_xlim(times[0], times[-1])
-    known = error[np.isfinite(error) & (error > 0.0)]
+    frame(axes, times, "Attitude error", "angle [deg]")
+    known = positive(error)
     if scale == "log" and known.size:
         axes.set_yscale("log")
         axes.set_ylim(0.5 * known.min(), 2.5 * known.max())
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        plain_numbers(axes.yaxis)
     else:
         axes.set_ylim(bottom=0.0)
     settled = {
@@ -94,13 +95,8 @@ def momentum(axes: Axes, trajectory: Trajectory) -> None:
     times, values = series.state_times(trajectory), series.momenta(trajectory)
     unit = style.prefixed("N m s", values)
     for i, name in enumerate(_COMPONENTS):
-        axes.plot(times, unit.factor * values[:, i], label=rf"$\Pi_{name}$", **_component(i))
-    axes.set(
-        title="Angular momentum, body frame",
-        xlabel=TIME_LABEL,
-        ylabel=f"momentum [{unit.label}]",
-    )
-    axes.set_xlim(times[0], times[-1])
+        axes.plot(times, unit.factor * values[:, i], label=rf"$\Pi_{name}$", **component(i))
+    frame(axes, times, "Angular momentum, body frame", f"momentum [{unit.label}]")
     legend(axes, 3)
 
 
@@ -110,10 +106,9 @@ def torque_components(axes: Axes, trajectory: Trajectory) -> None:
     unit = style.prefixed("N m", values)
     for i, name in enumerate(_COMPONENTS):
         axes.step(
-            times, unit.factor * values[:, i], where="post", label=f"$u_{name}$", **_component(i)
+            times, unit.factor * values[:, i], where="post", label=f"$u_{name}$", **component(i)
         )
-    axes.set(title="Torque, body frame", xlabel=TIME_LABEL, ylabel=f"torque [{unit.label}]")
-    axes.set_xlim(times[0], times[-1])
+    frame(axes, times, "Torque, body frame", f"torque [{unit.label}]")
     legend(axes, 3)
 
 
@@ -122,13 +117,10 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
     times, values = _held(trajectory, series.torque_norm(trajectory))
     unit = style.prefixed("N m", values, np.array([limit or 0.0]))
     axes.step(times, unit.factor * values, where="post", color=style.INK, label="$|u|$")
-    axes.set(title="Torque norm", xlabel=TIME_LABEL, ylabel=f"torque [{unit.label}]")
-    axes.set_xlim(times[0], times[-1])
+    frame(axes, times, "Torque norm", f"torque [{unit.label}]")
     if limit:
         text = f"limit {unit.factor * limit:g} {unit.label}"
-        axes.axhline(
-            unit.factor * limit, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--", label=text
-        )
+        draw_limit(axes, unit.factor * limit, text)
     axes.set_ylim(bottom=0.0)
     axes.margins(y=0.08)
     legend(axes, 2)
@@ -139,8 +131,7 @@ def alpha(axes: Axes, trajectory: Trajectory) -> None:
     times, colour = series.state_times(trajectory), style.AXIS_COLOURS[0]
     # Dots: alpha may be 0 at every other step, which a line would fill in.
     axes.plot(times[:-1], trajectory.alpha, ".", markersize=3, color=colour, label=r"$\alpha$")
-    axes.set(title="Reference governor", xlabel=TIME_LABEL, ylabel="share of the way [-]")
-    axes.set_xlim(times[0], times[-1])
+    frame(axes, times, "Reference governor", "share of the way [-]")
     axes.set_ylim(-0.03, 1.03)
     targets = series.targets(trajectory)
     if targets is None:
@@ -161,10 +152,9 @@ def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters
     times = series.state_times(trajectory)
     for i, zone in enumerate(zones):
         margin = series.zone_margin_deg(trajectory, zone)
-        axes.plot(times, margin, label=f"{zone.name} ({zone.kind})", **_component(i % 3))
-    axes.axhline(0.0, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--", label="border")
-    axes.set(title="Pointing-zone margin", xlabel=TIME_LABEL, ylabel="angle to border [deg]")
-    axes.set_xlim(times[0], times[-1])
+        axes.plot(times, margin, label=f"{zone.name} ({zone.kind})", **component(i % 3))
+    draw_limit(axes, 0.0, "border")
+    frame(axes, times, "Pointing-zone margin", "angle to border [deg]")
     legend(axes, 3)
 
 
@@ -184,8 +174,7 @@ def iterations(axes: Axes, trajectory: Trajectory) -> None:
             label="not converged",
         )
         legend(axes, 1)
-    axes.set(title="Solver iterations", xlabel=TIME_LABEL, ylabel="iterations [-]")
-    axes.set_xlim(time[0], series.state_times(trajectory)[-1])
+    frame(axes, series.state_times(trajectory), "Solver iterations", "iterations [-]")
     axes.set_ylim(0.0, max(int(count.max(initial=0)), 1) + 0.5)
     axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
 
@@ -195,12 +184,11 @@ def solve_time(axes: Axes, trajectory: Trajectory) -> None:
     unit = style.prefixed("s", trajectory.solve_time)
     values = unit.factor * trajectory.solve_time
     axes.plot(trajectory.time, values, ".", markersize=3, color=style.AXIS_COLOURS[0])
-    axes.set(title="Solve time, wall clock", xlabel=TIME_LABEL, ylabel=f"time [{unit.label}]")
-    axes.set_xlim(trajectory.time[0], series.state_times(trajectory)[-1])
-    known = values[np.isfinite(values) & (values > 0.0)]
+    frame(axes, series.state_times(trajectory), "Solve time, wall clock", f"time [{unit.label}]")
+    known = positive(values)
     if known.size and known.max() > _WIDE_SPREAD * np.median(known):
         axes.set_yscale("log")  # one slow solve would press all others onto the axis
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        plain_numbers(axes.yaxis)
     else:
         axes.set_ylim(bottom=0.0)
 
@@ -265,20 +253,3 @@ def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:
 def _held(trajectory: Trajectory, values: Array) -> tuple[Array, Array]:
     """Return times and values with the last value repeated at the end of its control period."""
     return series.state_times(trajectory), np.concatenate([values, values[-1:]])
-
-
-def _component(index: int) -> dict[str, Any]:
-    return {"color": style.AXIS_COLOURS[index], "linestyle": style.AXIS_STYLES[index]}
-
-
-def legend(axes: Axes, columns: int, **options: Any) -> None:
-    """Put the legend above the diagram, right of its title, where no data can lie."""
-    axes.legend(
-        loc="lower right",
-        bbox_to_anchor=(1.0, 1.0),
-        ncols=columns,
-        borderaxespad=0.25,
-        handlelength=2.2,
-        columnspacing=1.2,
-        **options,
-    )

@@ -8,12 +8,22 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter
 
 from spacecraft_gnc.analysis import representations as forms
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.panels import TIME_LABEL, legend
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.sources import source_colour, source_name, stretches
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.axes import (
+    TIME_LABEL,
+    component,
+    frame,
+    legend,
+    legend_below,
+    limit,
+    logarithmic,
+    plain_numbers,
+    positive,
+)
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -23,15 +33,19 @@ if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
 
 _BINS: Final = 40
-_COLOURS: Final = (*style.AXIS_COLOURS, "#CC79A7")
-_STYLES: Final = (*style.AXIS_STYLES, (0, (5, 1, 1, 1)))
+_WIDTH: Final = 1.4  # of the line of a limit
 
 
 def representation(axes: Axes, trajectory: Trajectory, form: forms.Representation) -> None:
     """Draw the attitude as quaternion, roll-pitch-yaw or rotation vector."""
     values = forms.values(form, series.attitudes(trajectory))
     components(axes, series.state_times(trajectory), values, form.components)
-    _finish(axes, trajectory, form.title, f"{form.name.replace('_', ' ')} [{form.unit}]")
+    frame(
+        axes,
+        series.state_times(trajectory),
+        form.title,
+        f"{form.name.replace('_', ' ')} [{form.unit}]",
+    )
 
 
 def inertial_momentum(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
@@ -39,13 +53,18 @@ def inertial_momentum(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) 
     unit = style.prefixed("N m s", telemetry.inertial_momentum)
     values = unit.factor * telemetry.inertial_momentum
     components(axes, series.state_times(trajectory), values, "XYZ")
-    _finish(axes, trajectory, "Angular momentum, inertial frame", f"momentum [{unit.label}]")
+    frame(
+        axes,
+        series.state_times(trajectory),
+        "Angular momentum, inertial frame",
+        f"momentum [{unit.label}]",
+    )
 
 
 def components(axes: Axes, times: Array, values: Array, names: Sequence[str]) -> None:
     """Draw (n, m) values over time, a line for each name."""
     for i, name in enumerate(names):
-        axes.plot(times, values[:, i], label=name, color=_COLOURS[i], linestyle=_STYLES[i])
+        axes.plot(times, values[:, i], label=name, **component(i))
     legend(axes, len(names))
 
 
@@ -55,25 +74,30 @@ def kinetic_energy(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> 
     times, values = series.state_times(trajectory), unit.factor * telemetry.kinetic_energy
     axes.plot(times, values, color=style.INK)
     axes.set_ylim(bottom=0.0)
-    _finish(axes, trajectory, "Kinetic energy", f"energy [{unit.label}]")
+    frame(axes, series.state_times(trajectory), "Kinetic energy", f"energy [{unit.label}]")
 
 
 def orthogonality(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
     """Draw how far the recorded attitudes are from a rotation."""
     axes.plot(series.state_times(trajectory), telemetry.orthogonality_error, color=style.INK)
-    _logarithmic(axes, telemetry.orthogonality_error)
-    _finish(axes, trajectory, "Orthogonality of the attitude", "|RᵀR - I| [-]")
+    logarithmic(axes, telemetry.orthogonality_error)
+    frame(axes, series.state_times(trajectory), "Orthogonality of the attitude", "|RᵀR - I| [-]")
 
 
 def residual(axes: Axes, trajectory: Trajectory, tolerance: float | None = None) -> None:
     """Draw the residual of the optimality conditions, with the solver's tolerance."""
     axes.plot(trajectory.time, trajectory.residual, color=style.INK, label="residual")
-    _logarithmic(axes, trajectory.residual)
+    logarithmic(axes, trajectory.residual)
     if tolerance is not None:
         label = f"tolerance {tolerance:g}"
-        axes.axhline(tolerance, color=style.LIMIT_COLOUR, linestyle="--", label=label)
+        limit(axes, tolerance, label, _WIDTH)
         legend(axes, 2)
-    _finish(axes, trajectory, "Residual of the optimality conditions", "residual [-]")
+    frame(
+        axes,
+        series.state_times(trajectory),
+        "Residual of the optimality conditions",
+        "residual [-]",
+    )
 
 
 def curvature(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
@@ -81,34 +105,44 @@ def curvature(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
     axes.plot(trajectory.time, telemetry.min_curvature, color=style.INK)
     axes.margins(y=0.08)
     axes.set_ylim(bottom=min(0.0, float(np.nanmin(telemetry.min_curvature))))
-    _finish(axes, trajectory, "Least curvature of the solution", "curvature [cost per (N m)²]")
+    frame(
+        axes,
+        series.state_times(trajectory),
+        "Least curvature of the solution",
+        "curvature [cost per (N m)²]",
+    )
 
 
 def radius(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
     """Draw the spectral radius of the closed loop at its standstills."""
     colour = style.AXIS_COLOURS[0]
     axes.plot(trajectory.time, telemetry.closed_loop_radius, ".-", color=colour, label="radius")
-    axes.axhline(1.0, color=style.LIMIT_COLOUR, linestyle="--", label="stable below 1")
+    limit(axes, 1.0, "stable below 1", _WIDTH)
     axes.margins(y=0.08)
     axes.set_ylim(bottom=0.0)
     legend(axes, 2)
-    _finish(axes, trajectory, "Closed-loop radius at a standstill", "spectral radius [-]")
+    frame(
+        axes,
+        series.state_times(trajectory),
+        "Closed-loop radius at a standstill",
+        "spectral radius [-]",
+    )
 
 
 def governor_margin(axes: Axes, trajectory: Trajectory) -> None:
     """Draw the smallest margin of each prediction of the governor."""
     margin = np.where(np.isfinite(trajectory.governor_margin), trajectory.governor_margin, math.nan)
     axes.step(trajectory.time, margin, where="post", color=style.INK, label="margin")
-    axes.axhline(0.0, color=style.LIMIT_COLOUR, linestyle="--", label="limit")
+    limit(axes, 0.0, "limit", _WIDTH)
     legend(axes, 2)
-    _finish(axes, trajectory, "Predicted margin", "margin [rad, N m or -]")
+    frame(axes, series.state_times(trajectory), "Predicted margin", "margin [rad, N m or -]")
 
 
 def solve_times(axes: Axes, runs: Mapping[str, Array], deadline: tuple[float, str]) -> None:
     """Draw the histogram of the solve times of one or several runs, with a deadline [s]."""
-    known = {name: _positive(values) for name, values in runs.items()}
-    limit, text = deadline
-    every = np.concatenate([*known.values(), np.array([limit] if limit else [])])
+    known = {name: positive(values) for name, values in runs.items()}
+    latest, text = deadline
+    every = np.concatenate([*known.values(), np.array([latest] if latest else [])])
     unit = style.prefixed("s", every)
     low, high = math.log10(unit.factor * every.min()), math.log10(unit.factor * every.max())
     edges = np.logspace(low - 0.02, high + 0.02, _BINS + 1)
@@ -116,10 +150,10 @@ def solve_times(axes: Axes, runs: Mapping[str, Array], deadline: tuple[float, st
         colour = style.RUN_COLOURS[i % len(style.RUN_COLOURS)]
         scaled, alpha = unit.factor * values, 1.0 if len(known) == 1 else 0.55
         axes.hist(scaled, edges.tolist(), color=colour, alpha=alpha, label=name)
-    if limit:
-        axes.axvline(unit.factor * limit, color=style.LIMIT_COLOUR, linestyle="--", label=text)
+    if latest:
+        axes.axvline(unit.factor * latest, color=style.LIMIT_COLOUR, linestyle="--", label=text)
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    plain_numbers(axes.xaxis)
     axes.set(title="Solve times", xlabel=f"wall time of a solve [{unit.label}]")
     axes.set_ylabel("solves [-]")
     legend(axes, 2) if len(known) == 1 else legend_below(axes)
@@ -141,23 +175,3 @@ def sources(axes: Axes, runs: Mapping[str, Trajectory]) -> None:
     axes.set_xlim(0.0, max(float(series.state_times(t)[-1]) for t in runs.values()))
     handles = [Patch(color=source_colour(s), label=source_name(s)) for s in sorted(seen)]
     legend(axes, 3, handles=handles)
-
-
-def legend_below(axes: Axes) -> None:
-    """Put the legend below the figure: names of runs may be long."""
-    axes.figure.legend(loc="outside lower center", ncols=3, handlelength=2.4)
-
-
-def _positive(values: Array) -> Array:
-    return np.asarray(values[np.isfinite(values) & (values > 0.0)])
-
-
-def _logarithmic(axes: Axes, values: Array) -> None:
-    if _positive(values).size:
-        axes.set_yscale("log")
-
-
-def _finish(axes: Axes, trajectory: Trajectory, title: str, label: str) -> None:
-    times = series.state_times(trajectory)
-    axes.set(title=title, xlabel=TIME_LABEL, ylabel=label)
-    axes.set_xlim(times[0], times[-1])

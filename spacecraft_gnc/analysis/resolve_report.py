@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import series, style
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import summarize
-from spacecraft_gnc.analysis.panels import TIME_LABEL
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.axes import TIME_LABEL, positive
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -213,7 +214,7 @@ def _solver(axes: Axes, resolved: Resolved, names: tuple[str, str], what: str) -
                 label=name if marker == "." else f"{name}, as flown",
             )
     known = np.concatenate(solved)
-    known = known[np.isfinite(known) & (known > 0.0)]
+    known = positive(known)
     if known.size and known.max() > 20.0 * known.min():
         axes.set_yscale("log")
     elif known.size:

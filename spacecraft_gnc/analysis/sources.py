@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from spacecraft_gnc.analysis import series, style
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.drawing import style
 from spacecraft_gnc.loop.protocols import Source
 
 if TYPE_CHECKING:

@@ -134,8 +134,8 @@ def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Re
 def _draw(
     source: Path, folder: Path, resolved: Resolved, scenarios: tuple[Scenario, Scenario]
 ) -> list[Path]:
-    from spacecraft_gnc.analysis.figures import save_figures
     from spacecraft_gnc.analysis.resolve_report import figure
+    from spacecraft_gnc.drawing.figures import save_figures
 
     recorded, revised = (scenario.controller.method for scenario in scenarios)
     names = (recorded, f"{revised} again" if revised == recorded else revised)

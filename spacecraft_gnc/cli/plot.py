@@ -25,8 +25,8 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.analysis.figures import Maker
     from spacecraft_gnc.cli._progress import Progress
+    from spacecraft_gnc.drawing.figures import Maker
     from spacecraft_gnc.recording.reader import Flight
     from spacecraft_gnc.scenario import Scenario
 
@@ -203,7 +203,7 @@ def _drawn(
     progress: Progress,
 ) -> list[Path]:
     """Write the figures of these names; return their files."""
-    from spacecraft_gnc.analysis.figures import save_figures
+    from spacecraft_gnc.drawing.figures import save_figures
 
     kinds = [item.value for item in dict.fromkeys(formats)]
     files = []

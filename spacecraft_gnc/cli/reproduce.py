@@ -50,7 +50,7 @@ def reproduce(
 
     Ends with 1 where a figure does not come out.
     """
-    from spacecraft_gnc.analysis.figures import save_figures
+    from spacecraft_gnc.drawing.figures import save_figures
     from spacecraft_gnc.studies import PAPERS, reproduce, require_paper
 
     if name is not None:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels, style
+from spacecraft_gnc.analysis import panels
 from spacecraft_gnc.analysis.series import momenta, state_times
+from spacecraft_gnc.drawing import style
 from spacecraft_gnc.studies import overlays
 from spacecraft_gnc.studies.bagherzadeh2023 import square_errors
 from spacecraft_gnc.studies.bagherzadeh2023_study import (

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels, style
+from spacecraft_gnc.analysis import panels
 from spacecraft_gnc.analysis.series import attitude_error_deg, state_times
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.axes import limit
 from spacecraft_gnc.studies import overlays
 from spacecraft_gnc.studies.gupta2015 import (
     FAST,
@@ -85,7 +87,7 @@ def _zone(axes: Axes, flights: Flights) -> None:
     times = state_times(flights.of("II"))
     series = {name: zone_constraint(flights.of(case)) for name, case in _CASES.items()}
     overlays.lines(axes, times, series, title="Exclusion zone", ylabel="$H_1$ [-]")
-    axes.axhline(0.0, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--")
+    limit(axes, 0.0)
     axes.set_ylim(top=0.04)
     axes.annotate(
         "inside the zone", (times[-1], 0.0), xytext=(0, 3), textcoords="offset points",

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels, series, sphere, style
+from spacecraft_gnc.analysis import panels, series
+from spacecraft_gnc.drawing import sphere, style
+from spacecraft_gnc.drawing.axes import frame, limit
 from spacecraft_gnc.studies import overlays
 from spacecraft_gnc.studies.kalabic2014 import (
     ALONE,
@@ -130,7 +132,7 @@ def _over_nmpc(flights: Flights) -> Figure:
         }
         left = figure.add_subplot(grid[3:, 0])
         overlays.lines(left, times, margins, title="Angle to the zone", ylabel="angle [deg]")
-        left.axhline(0.0, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--")
+        limit(left, 0.0)
         errors = {name: error_deg(flights.of(name)) for name in names}
         overlays.lines(
             figure.add_subplot(grid[3:, 1]), times, errors, title="Angle to the target",
@@ -171,7 +173,7 @@ def _alpha(axes: Axes, flown: Flown) -> None:
     """Draw alpha on a scale that shows the thousandths of the way and the 1 at the end."""
     flight = flown.trajectory
     axes.plot(flight.time, np.maximum(flight.alpha, 1e-5), ".", color=style.INK, markersize=2.5)
-    overlays.frame(axes, series.state_times(flight), "Share of the way admitted", r"$\alpha$ [-]")
+    frame(axes, series.state_times(flight), "Share of the way admitted", r"$\alpha$ [-]")
     axes.set_yscale("log")
     axes.set_ylim(0.8e-5, 2.0)
 
@@ -183,7 +185,7 @@ def _compared(axes: Axes, flights: Flights) -> None:
         axes, times, norms, title="Torque norm, with and without the governor",
         ylabel="torque [N m]", floor=1e-5,
     )  # fmt: skip
-    axes.axhline(LIMIT, color=style.LIMIT_COLOUR, linewidth=1.1, linestyle="--")
+    limit(axes, LIMIT)
 
 
 def _path(axes: Axes, flown: Flown, every: float) -> None:

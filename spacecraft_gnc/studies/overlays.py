@@ -1,4 +1,4 @@
-"""Diagrams that show several flights in one, in the style of `analysis.panels`."""
+"""Diagrams that show several flights in one, in the style of the figures of one."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 
-from spacecraft_gnc.analysis import style
-from spacecraft_gnc.analysis.panels import TIME_LABEL
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.axes import frame, plain_numbers
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -63,12 +62,6 @@ def components(
     key(axes, handles, labels)
 
 
-def frame(axes: Axes, times: Array, title: str, ylabel: str) -> None:
-    """Set title, labels and the range of time."""
-    axes.set(title=title, xlabel=TIME_LABEL, ylabel=ylabel)
-    axes.set_xlim(times[0], times[-1])
-
-
 def key(axes: Axes, handles: Sequence[Artist], labels: Sequence[str]) -> None:
     """Put a legend of given lines under a diagram, where no data can lie."""
     axes.legend(
@@ -115,7 +108,7 @@ def lines(
     if floor is not None:
         axes.set_yscale("log")
         axes.set_ylim(bottom=floor)
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        plain_numbers(axes.yaxis)
     if with_key:
         key(axes, *axes.get_legend_handles_labels())
 
@@ -130,7 +123,7 @@ def step_times(axes: Axes, times: Array, series: Mapping[str, Array], *, title: 
     known = np.concatenate(list(series.values()))
     if known.max() > _DECADE * known.min():
         axes.set_yscale("log")
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        plain_numbers(axes.yaxis)
     else:
         axes.set_ylim(bottom=0.0)
     handles = [

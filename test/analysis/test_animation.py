@@ -15,11 +15,12 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import animation, style
+from spacecraft_gnc.analysis import animation
 from spacecraft_gnc.analysis._animated_run import animated_run
 from spacecraft_gnc.analysis._scene import Scene
 from spacecraft_gnc.analysis._spacecraft import draw_spacecraft
-from spacecraft_gnc.analysis.sphere import View
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.sphere import View
 from spacecraft_gnc.errors import ParameterError, RecordingError
 
 SIZE = (800, 640)  # as README shows it, pixel for pixel

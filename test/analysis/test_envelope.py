@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacecraft_gnc.analysis.report import envelope
+from spacecraft_gnc.drawing import envelope
 
 SAMPLES = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=400).map(np.array)
 

@@ -14,8 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import panels, sphere, style
-from spacecraft_gnc.analysis.figures import FORMATS, flight_figures, save_figures
+from spacecraft_gnc.analysis import panels
+from spacecraft_gnc.analysis.figures import flight_figures
+from spacecraft_gnc.drawing import sphere, style
+from spacecraft_gnc.drawing.figures import FORMATS, save_figures
 from spacecraft_gnc.errors import RecordingError
 
 ZONES = {

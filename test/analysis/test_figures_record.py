@@ -10,11 +10,12 @@ import pytest
 from analysis.flights import at_rest, case1, scenario
 from matplotlib.colors import to_hex
 
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.figures import save_figures
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.figures_record import comparison_makers, record_makers
 from spacecraft_gnc.analysis.sources import NOT_RECORDED, stretches
 from spacecraft_gnc.analysis.telemetry import computed
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.figures import save_figures
 
 FLOWN = case1()
 SOURCES = np.array([0] * 5 + [3] * 4 + [NOT_RECORDED] * 2 + [4] * 9)

@@ -17,11 +17,11 @@ from flown_bags import fly, sections
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report import read_run, report_html
-from spacecraft_gnc.analysis.report.chart import Chart
 from spacecraft_gnc.analysis.report.page import paired
 from spacecraft_gnc.analysis.report.tables import _difference, _rounded, _Row
 from spacecraft_gnc.analysis.sources import stretches
 from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.drawing.chart import Chart
 from spacecraft_gnc.scenario import from_sections
 
 MEGABYTE = 1_000_000

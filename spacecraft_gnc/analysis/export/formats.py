@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.analysis.export.topics import STEP, Column, Export
-from spacecraft_gnc.analysis.whole_file import whole_file
+from spacecraft_gnc.drawing.whole_file import whole_file
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.extras import explained_imports
 

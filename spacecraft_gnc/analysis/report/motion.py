@@ -8,8 +8,10 @@ from functools import partial
 import numpy as np
 
 from spacecraft_gnc.analysis import representations as forms
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.report.chart import (
+from spacecraft_gnc.analysis import series
+from spacecraft_gnc.analysis.report.runs import Run
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.chart import (
     HELD,
     Chart,
     Variant,
@@ -21,8 +23,8 @@ from spacecraft_gnc.analysis.report.chart import (
     span,
     times_of,
 )
-from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.traces import (
+from spacecraft_gnc.drawing.traces import (
+    DASHES,
     Curve,
     Trace,
     axis,
@@ -32,8 +34,6 @@ from spacecraft_gnc.analysis.report.traces import (
     trace,
 )
 from spacecraft_gnc.types import Array
-
-_DASHES = ("solid", "dash", "dot", "dashdot")
 
 
 def motion_charts(runs: Sequence[Run], points: int) -> Iterator[Chart]:
@@ -150,5 +150,5 @@ def _zone_margins(runs: Sequence[Run], points: int) -> Iterator[Trace]:
         for j, zone in enumerate(zones):
             margin = series.zone_margin_deg(run.trajectory, zone)
             text = named(runs, run, f"{zone.name} ({zone.kind})")
-            line = {**run_line(j if len(runs) == 1 else i), "dash": _DASHES[j % len(_DASHES)]}
+            line = {**run_line(j if len(runs) == 1 else i), "dash": DASHES[j % len(DASHES)]}
             yield trace(Curve(times_of(run, margin), margin, text, line), points)

@@ -12,14 +12,14 @@ from typing import Any, Final
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.analysis.report import tables
-from spacecraft_gnc.analysis.report.chart import Chart
-from spacecraft_gnc.analysis.report.envelope import budget, per_interval
 from spacecraft_gnc.analysis.report.motion import motion_charts
 from spacecraft_gnc.analysis.report.record import invariant_charts, source_chart
 from spacecraft_gnc.analysis.report.runs import Run
 from spacecraft_gnc.analysis.report.solver import solver_charts
 from spacecraft_gnc.analysis.report.sphere3d import frames_note, sphere_data
-from spacecraft_gnc.analysis.whole_file import whole_file
+from spacecraft_gnc.drawing.chart import Chart
+from spacecraft_gnc.drawing.envelope import budget, per_interval
+from spacecraft_gnc.drawing.whole_file import whole_file
 
 _SCRIPTS: Final = ("report.js", "sphere.js")
 # Nothing may be fetched, whatever a script in the page may ask for. plotly.js compiles the code of

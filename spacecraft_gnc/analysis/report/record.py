@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from spacecraft_gnc.analysis import style
-from spacecraft_gnc.analysis.report.chart import Chart, components, one_curve_each, over_time
-from spacecraft_gnc.analysis.report.envelope import per_interval
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.traces import axis, label, log_axis
 from spacecraft_gnc.analysis.sources import source_colour, source_name, stretches
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.chart import Chart, components, one_curve_each, over_time
+from spacecraft_gnc.drawing.envelope import per_interval
+from spacecraft_gnc.drawing.traces import axis, label, log_axis
 
 _BAND_HEIGHT: Final = 34  # [px]
 

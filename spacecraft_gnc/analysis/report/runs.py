@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
 from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
 from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
+from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
@@ -45,6 +47,11 @@ class Run:
     scenario: Scenario | None
     metrics: dict[str, Any]
     verdict: Verdict
+
+    @property
+    def times(self) -> Array:
+        """(n + 1,) of the states [s]."""
+        return series.state_times(self.trajectory)
 
     def warnings(self) -> list[str]:
         """Return what a reader should know before trusting the curves, one line each."""

@@ -8,10 +8,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.report.chart import HELD, Chart, named, one_curve_each, over_time, span
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.traces import (
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.chart import HELD, Chart, named, one_curve_each, over_time, span
+from spacecraft_gnc.drawing.traces import (
     Trace,
     axis,
     figure,

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from spacecraft_gnc.analysis import representations as forms
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.report.envelope import strided
+from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.traces import label, packed
 from spacecraft_gnc.analysis.sources import source_name
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.envelope import strided
+from spacecraft_gnc.drawing.geometry import circle
+from spacecraft_gnc.drawing.traces import label, packed
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -95,14 +97,8 @@ def cap(axis: Array, half_angle: float) -> Array:
 
     The centre first, then ring after ring; the last one is the border.
     """
-    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    first = np.cross(axis, helper)
-    first /= np.linalg.norm(first)
-    second = np.cross(axis, first)
-    turn = np.linspace(0.0, 2.0 * math.pi, _SECTORS, endpoint=False)
-    circle = np.outer(np.cos(turn), first) + np.outer(np.sin(turn), second)
     angles = half_angle * np.arange(1, _RINGS + 1) / _RINGS
-    rings = [math.cos(angle) * axis + math.sin(angle) * circle for angle in angles]
+    rings = [circle(axis, angle, _SECTORS)[:-1] for angle in angles]
     return np.asarray(_LIFT * np.vstack([axis[None], *rings]))
 
 

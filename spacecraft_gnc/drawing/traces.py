@@ -10,13 +10,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from spacecraft_gnc.analysis import style
-from spacecraft_gnc.analysis.report.envelope import thin
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.envelope import thin
 from spacecraft_gnc.types import Array
 
 Trace = dict[str, Any]
-_DASHES: Final = ("solid", "dash", "dot", "dashdot")
-_COMPONENT_COLOURS: Final = (*style.AXIS_COLOURS, "#CC79A7")
+DASHES: Final = ("solid", "dash", "dot", "dashdot")
 _HEIGHT: Final = 320  # [px]
 _TALL: Final = 740  # [px] two diagrams above each other with what is written about them
 _LEGEND_LINE: Final = 19  # [px]
@@ -49,7 +48,7 @@ def label(text: str) -> str:
 
 def component_line(index: int) -> dict[str, Any]:
     """Return the line of a component x, y, z, w."""
-    return {"color": _COMPONENT_COLOURS[index % 4], "dash": _DASHES[index % 4], "width": 1.7}
+    return {"color": style.COMPONENT_COLOURS[index % 4], "dash": DASHES[index % 4], "width": 1.7}
 
 
 def run_line(index: int) -> dict[str, Any]:
@@ -57,7 +56,7 @@ def run_line(index: int) -> dict[str, Any]:
     count = len(style.RUN_COLOURS)
     return {
         "color": style.RUN_COLOURS[index % count],
-        "dash": _DASHES[(index + index // count) % len(_DASHES)],
+        "dash": DASHES[(index + index // count) % len(DASHES)],
         "width": 1.7,
     }
 

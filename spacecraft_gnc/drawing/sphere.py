@@ -15,14 +15,15 @@ from matplotlib.patches import Circle, PathPatch
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from spacecraft_gnc.analysis.style import GRID_COLOUR, INK, MUTED
+from spacecraft_gnc.drawing.geometry import circle, graticule
+from spacecraft_gnc.drawing.style import GRID_COLOUR, INK, MUTED
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FAR_ALPHA: Final = 0.28
-_CIRCLE = np.linspace(0.0, 2.0 * math.pi, 241)
+_POINTS: Final = 240  # of a circle
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,12 +68,8 @@ def draw_sphere(axes: Axes, view: View) -> None:
     limb = Circle((0.0, 0.0), 1.0, fill=False, edgecolor=MUTED, linewidth=0.9, zorder=3.2)
     axes.add_patch(disc)
     axes.add_patch(limb)
-    for latitude in np.radians(np.arange(-60.0, 61.0, 30.0)):
-        ring = _cone_border(np.array([0.0, 0.0, 1.0]), math.pi / 2 - latitude)
-        draw_curve(axes, view, ring, color=GRID_COLOUR, linewidth=0.6)
-    for longitude in np.radians(np.arange(0.0, 180.0, 30.0)):
-        normal = np.array([-math.sin(longitude), math.cos(longitude), 0.0])
-        draw_curve(axes, view, _cone_border(normal, math.pi / 2), color=GRID_COLOUR, linewidth=0.6)
+    for line in graticule(_POINTS):
+        draw_curve(axes, view, line, color=GRID_COLOUR, linewidth=0.6)
     for axis, name in zip(np.eye(3), "XYZ", strict=True):
         _draw_inertial_axis(axes, view, axis, name)
 
@@ -128,7 +125,7 @@ def draw_cap(axes: Axes, view: View, axis: Array, half_angle: float, *, color: s
             # Loops of opposite sense leave a hole: the path is filled by its winding number.
             path = Path.make_compound_path(*(Path(loop, closed=True) for loop in loops))
             axes.add_patch(PathPatch(path, facecolor=color, edgecolor="none", alpha=alpha))
-    draw_curve(axes, view, _cone_border(axis, half_angle), color=color, linewidth=1.3)
+    draw_curve(axes, view, circle(axis, half_angle, _POINTS), color=color, linewidth=1.3)
 
 
 def _cap_outline(view: View, axis: Array, half_angle: float, side: float) -> list[Array]:
@@ -139,9 +136,10 @@ def _cap_outline(view: View, axis: Array, half_angle: float, side: float) -> lis
     side
         1 for the near side of the sphere, -1 for the far side.
     """
-    border, depth = view.project(_cone_border(axis, half_angle))
+    border, depth = view.project(circle(axis, half_angle, _POINTS))
     axis_picture = view.project(axis[None])[0][0]
-    limb = np.column_stack([np.cos(_CIRCLE), np.sin(_CIRCLE)])
+    turn = np.linspace(0.0, 2.0 * math.pi, _POINTS + 1)
+    limb = np.column_stack([np.cos(turn), np.sin(turn)])
     inside = limb @ axis_picture >= math.cos(half_angle)
     shown = side * depth >= 0.0
     if shown.all():
@@ -169,13 +167,3 @@ def _run(loop: Array, mask: NDArray[np.bool_]) -> Array:
     starts = np.flatnonzero(mask & ~np.roll(mask, 1))
     shift = -int(starts[0]) if starts.size else 0
     return np.asarray(np.roll(loop, shift, axis=0)[np.roll(mask, shift)])
-
-
-def _cone_border(axis: Array, half_angle: float) -> Array:
-    """Return (241, 3) points of the circle where a cone about ``axis`` cuts the unit sphere."""
-    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    first = np.cross(axis, helper)
-    first /= np.linalg.norm(first)
-    second = np.cross(axis, first)
-    circle = np.outer(np.cos(_CIRCLE), first) + np.outer(np.sin(_CIRCLE), second)
-    return np.asarray(math.cos(half_angle) * axis + math.sin(half_angle) * circle)

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Protocol, TypeVar
 
 import numpy as np
 
-from spacecraft_gnc.analysis import series, style
-from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.traces import (
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.traces import (
     Curve,
     Trace,
     axis,
@@ -21,7 +20,20 @@ from spacecraft_gnc.analysis.report.traces import (
 )
 from spacecraft_gnc.types import Array
 
-Values: TypeAlias = Callable[[Run], Array]
+
+class Drawn(Protocol):
+    """A run, as far as a diagram has to know it."""
+
+    @property
+    def name(self) -> str:
+        """How the page calls it."""
+
+    @property
+    def times(self) -> Array:
+        """(n + 1,) of its states [s]."""
+
+
+R = TypeVar("R", bound=Drawn)
 HELD: Final = {"shape": "hv"}
 """Line of a value that holds for a control period."""
 
@@ -76,20 +88,18 @@ class Chart:
         }
 
 
-def times_of(run: Run, values: Array) -> Array:
+def times_of(run: Drawn, values: Array) -> Array:
     """Return the times [s] of values of the steps (n) or of the states (n + 1)."""
-    times = series.state_times(run.trajectory)
-    return times[: len(values)]
+    return run.times[: len(values)]
 
 
-def span(runs: Sequence[Run]) -> tuple[float, float]:
+def span(runs: Sequence[Drawn]) -> tuple[float, float]:
     """Return first and last time of all runs [s]."""
-    times = [series.state_times(run.trajectory) for run in runs]
-    return min(float(t[0]) for t in times), max(float(t[-1]) for t in times)
+    return min(float(r.times[0]) for r in runs), max(float(r.times[-1]) for r in runs)
 
 
 def over_time(
-    runs: Sequence[Run], traces: Iterable[Trace], *y: Mapping[str, Any]
+    runs: Sequence[Drawn], traces: Iterable[Trace], *y: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the figure of diagrams over the time of all runs, one for each axis ``y``."""
     drawn = figure(traces, y, axis("time [s]", range=span(runs)))
@@ -98,7 +108,7 @@ def over_time(
     return drawn
 
 
-def named(runs: Sequence[Run], run: Run, text: str) -> str:
+def named(runs: Sequence[Drawn], run: Drawn, text: str) -> str:
     """Return a label, with the name of its run where there are several."""
     return text if len(runs) == 1 else f"{run.name}: {text}"
 
@@ -109,7 +119,7 @@ def held(values: Array) -> Array:
 
 
 def one_curve_each(
-    runs: Sequence[Run], points: int, values: Values, name: str, **line: Any
+    runs: Sequence[R], points: int, values: Callable[[R], Array], name: str, **line: Any
 ) -> Iterator[Trace]:
     """Yield one curve of each run that knows the values.
 
@@ -127,9 +137,9 @@ def one_curve_each(
 
 
 def components(
-    runs: Sequence[Run],
+    runs: Sequence[R],
     points: int,
-    values: Values,
+    values: Callable[[R], Array],
     names: Sequence[str],
     quantity: str,
     unit: style.Unit,

@@ -18,6 +18,9 @@ AXIS_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73")
 """Body axes x, y, z: blue, vermilion, bluish green."""
 AXIS_STYLES: Final = ("-", (0, (5, 1.2)), (0, (1.2, 1.0)))
 """Line styles of x, y, z, so that a grey print can be read too."""
+COMPONENT_COLOURS: Final = (*AXIS_COLOURS, "#CC79A7")
+COMPONENT_STYLES: Final = (*AXIS_STYLES, (0, (5, 1, 1, 1)))
+"""Of x, y, z, w."""
 RUN_COLOURS: Final = (*AXIS_COLOURS, "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Runs beside each other, in this order."""
 SOURCE_COLOURS: Final = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000", "#0072B2")
