@@ -6,7 +6,7 @@ Times are of whole commands, the median of each step over repeated flights.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from spacecraft_gnc.studies.flights import Flown, Progress, fly
 from spacecraft_gnc.studies.report import NONE, Check, Report, Table, seconds, times
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 NAME: Final = "bagherzadeh2023"
 TITLE: Final = (
@@ -61,14 +58,11 @@ def run(baselines: bool, progress: Progress) -> Report:  # noqa: ARG001  # it ha
     studies = study_all(progress)
     costs = correction_times(studies)
 
-    def draw() -> Iterator[tuple[str, Figure]]:
-        from spacecraft_gnc.studies import bagherzadeh2023_figures
-
-        return bagherzadeh2023_figures.figures(variants, studies)
-
     tables = [_table_2(variants), _table_4(studies[TIMED], costs), _errors_table(studies)]
     checks = [*_variant_checks(variants), *_study_checks(studies)]
-    return Report(NAME, TITLE, tables, checks, _values(variants, studies, costs), draw)
+    return Report(
+        NAME, TITLE, tables, checks, _values(variants, studies, costs), (variants, studies)
+    )
 
 
 def square_errors(exact: Flown, other: Flown) -> Array:

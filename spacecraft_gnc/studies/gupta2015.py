@@ -9,9 +9,8 @@ pictures only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -32,9 +31,6 @@ from spacecraft_gnc.studies.report import NONE, Check, Report, Table, seconds, t
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 NAME: Final = "gupta2015"
 TITLE: Final = (
@@ -89,13 +85,8 @@ def run(baselines: bool, progress: Progress) -> Report:
             apart = float(apart_deg(flights.of(case), flights.of(case, "fsolve")).max())
             checks.append(Check(f"{case}: fsolve's flight from ours", 0.0, apart, 1e-5, "deg"))
 
-    def draw() -> Iterator[tuple[str, Figure]]:
-        from spacecraft_gnc.studies import gupta2015_figures
-
-        return gupta2015_figures.figures(flights)
-
     tables = [_times_table(flights), *_speed_up_tables(flights)]
-    return Report(NAME, TITLE, tables, checks, _values(flights), draw)
+    return Report(NAME, TITLE, tables, checks, _values(flights), (flights,))
 
 
 def zone_constraint(trajectory: Trajectory) -> Array:

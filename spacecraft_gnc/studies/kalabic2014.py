@@ -7,9 +7,8 @@ about (0.8, 0.6, 0), at rest) and the expected figures come from an independent 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,9 +20,6 @@ from spacecraft_gnc.studies.flights import Flown, Progress, fly
 from spacecraft_gnc.studies.report import Check, Report, Table, seconds, times
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 NAME: Final = "kalabic2014"
 TITLE: Final = (
@@ -85,13 +81,8 @@ def run(baselines: bool, progress: Progress) -> Report:
     groups = (_governor, _short_predictions, _nmpc, _flip, _over_nmpc)
     checks = [check for group in groups for check in group(flights)]
 
-    def draw() -> Iterator[tuple[str, Figure]]:
-        from spacecraft_gnc.studies import kalabic2014_figures
-
-        return kalabic2014_figures.figures(flights)
-
     tables = [_statements(flights), _side_by_side(flights), _times(flights)]
-    return Report(NAME, TITLE, tables, checks, _values(flights), draw)
+    return Report(NAME, TITLE, tables, checks, _values(flights), (flights,))
 
 
 def error_deg(flight: Trajectory) -> Array:

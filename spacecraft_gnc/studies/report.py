@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import importlib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -74,8 +75,8 @@ class Report:
     checks : sequence of Check
     values : dict
         The numbers behind the tables, for JSON.
-    draw : callable
-        Yields the names and figures, drawn when they are asked for.
+    flown : tuple
+        What the pictures are drawn from: the arguments of ``figures`` in the module NAME_figures.
     """
 
     name: str
@@ -83,7 +84,13 @@ class Report:
     tables: Sequence[Table]
     checks: Sequence[Check]
     values: dict[str, Any]
-    draw: Callable[[], Iterator[tuple[str, Figure]]] = field(repr=False)
+    flown: tuple[Any, ...] = field(repr=False)
+
+    def draw(self) -> Iterator[tuple[str, Figure]]:
+        """Return the names and figures, drawn when they are asked for."""
+        drawing = importlib.import_module(f"{__package__}.{self.name}_figures")
+        drawn: Iterator[tuple[str, Figure]] = drawing.figures(*self.flown)
+        return drawn
 
     @property
     def failed(self) -> list[Check]:
