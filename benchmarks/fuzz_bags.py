@@ -31,11 +31,11 @@ from recording.mutations import Bases, mutate  # noqa: E402
 from spacecraft_gnc.analysis.audit.run import audit_bag  # noqa: E402
 from spacecraft_gnc.analysis.export import read_export  # noqa: E402
 from spacecraft_gnc.analysis.metrics import summarize  # noqa: E402
+from spacecraft_gnc.analysis.reader import read_flight  # noqa: E402
 from spacecraft_gnc.analysis.report import read_run, report_html  # noqa: E402
 from spacecraft_gnc.errors import GncError  # noqa: E402
 from spacecraft_gnc.recording.bag import open_bag  # noqa: E402
 from spacecraft_gnc.recording.playback import Playback  # noqa: E402
-from spacecraft_gnc.recording.reader import read_flight  # noqa: E402
 from spacecraft_gnc.recording.rebuild import rebuild  # noqa: E402
 
 

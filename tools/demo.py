@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.analysis.reader import load_run
 from spacecraft_gnc.loop.trajectory import Trajectory
-from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.scenario import load
 
 ROOT = Path(__file__).parents[1]

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from spacecraft_gnc.analysis import series
+from spacecraft_gnc.analysis.reader import is_npz
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
-from spacecraft_gnc.recording.reader import is_npz
 from spacecraft_gnc.recording.steps import INVARIANTS, SOLVER_STATUS, WALL_TIMING
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.reader import Flight
     from spacecraft_gnc.loop.trajectory import Trajectory
-    from spacecraft_gnc.recording.reader import Flight
     from spacecraft_gnc.scenario import Scenario
 
 _PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques", "first_costate")

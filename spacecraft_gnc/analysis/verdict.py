@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
+from spacecraft_gnc.analysis.reader import is_npz
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.recording.reader import is_npz
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 
 if TYPE_CHECKING:

@@ -10,16 +10,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.analysis.reader import acted, whole_steps
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, iter_columns, read_columns
 from spacecraft_gnc.recording.metadata import RECOVERED_RECORD
-from spacecraft_gnc.recording.reader import acted, whole_steps
-from spacecraft_gnc.recording.run_info import (
-    SCENARIO_ATTACHMENT,
-    parse_scenario,
-    scenario_texts,
-)
 from spacecraft_gnc.recording.steps import (
     ACCEPTED_TARGET,
     GOVERNOR_STATUS,
@@ -32,6 +27,7 @@ from spacecraft_gnc.recording.steps import (
     flight_namespace,
 )
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario.recorded import SCENARIO_ATTACHMENT, parse_scenario, scenario_texts
 from spacecraft_gnc.types import Array
 
 PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")

@@ -15,7 +15,7 @@ import typer
 from spacecraft_gnc.errors import GncError, RecordingError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.recording.run_info import RunInfo
+    from spacecraft_gnc.analysis.run_info import RunInfo
     from spacecraft_gnc.scenario import Scenario
 
 ScenarioArgument = Annotated[

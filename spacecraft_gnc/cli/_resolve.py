@@ -18,8 +18,8 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError, RecordingError
 
 if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.reader import Flight
     from spacecraft_gnc.analysis.resolve import Resolved
-    from spacecraft_gnc.recording.reader import Flight
     from spacecraft_gnc.scenario import Scenario
 
 _STEPS: Final = re.compile(r"(\d*):(\d*)")
@@ -51,9 +51,9 @@ def solve_again(wish: Solving) -> None:
     RunFailed
         If the controller that flew does not command the same again, where it has to.
     """
+    from spacecraft_gnc.analysis.reader import load_run
     from spacecraft_gnc.analysis.resolve import resolve
     from spacecraft_gnc.analysis.resolve_report import compare
-    from spacecraft_gnc.recording.reader import load_run
     from spacecraft_gnc.scenario import revise
 
     require_folder(wish.out)

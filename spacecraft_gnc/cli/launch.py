@@ -177,7 +177,7 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         from numpy import quantile
 
         from spacecraft_gnc.analysis.metrics import summarize
-        from spacecraft_gnc.recording.reader import read_flight
+        from spacecraft_gnc.analysis.reader import read_flight
         from spacecraft_gnc.recording.timing import read_latencies
 
         first, *others = (summarize(read_flight(bag).trajectory, scenario) for bag in outcome.bags)

@@ -25,9 +25,9 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.reader import Flight
     from spacecraft_gnc.cli._progress import Progress
     from spacecraft_gnc.drawing.figures import Maker
-    from spacecraft_gnc.recording.reader import Flight
     from spacecraft_gnc.scenario import Scenario
 
 
@@ -123,9 +123,9 @@ def plot(
 ) -> None:
     """Draw the figures of a flight for print, or of several flights over each other."""
     from spacecraft_gnc.analysis.metrics import summarize
+    from spacecraft_gnc.analysis.reader import load_run
+    from spacecraft_gnc.analysis.run_info import UNKNOWN_SCENARIO
     from spacecraft_gnc.analysis.run_names import run_names
-    from spacecraft_gnc.recording.reader import load_run
-    from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
 
     given = given_scenario(scenario)
     require_folder(out)

@@ -148,8 +148,8 @@ def _recorded(
     stop: _StopRequest,
 ) -> RecordedFlight:
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
+    from spacecraft_gnc.analysis.reader import load_run
     from spacecraft_gnc.analysis.run_names import run_name
-    from spacecraft_gnc.recording.reader import load_run
 
     with show_progress("reading", silent=quiet) as progress:
 

@@ -18,14 +18,6 @@ from spacecraft_gnc.nodes._losses import SequenceWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._parameter_dump import ParameterDump
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.recording.provenance import (
-    LOCK_ATTACHMENT,
-    PARAMETERS_ATTACHMENT,
-    RUN_RECORD,
-    lock_file,
-    run_record,
-)
-from spacecraft_gnc.recording.run_info import DEFAULTS_ATTACHMENT, SCENARIO_ATTACHMENT
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.steps import SPARSE
 from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
@@ -44,6 +36,14 @@ from spacecraft_gnc.ros.topics import (
     foreign,
 )
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario.provenance import (
+    LOCK_ATTACHMENT,
+    PARAMETERS_ATTACHMENT,
+    RUN_RECORD,
+    lock_file,
+    run_record,
+)
+from spacecraft_gnc.scenario.recorded import DEFAULTS_ATTACHMENT, SCENARIO_ATTACHMENT
 
 _STEP = Layout(UInt64())
 _NOT_YET = -1  # [ns] simulated time before the first state

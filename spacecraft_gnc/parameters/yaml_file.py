@@ -19,6 +19,7 @@ from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggest
 from spacecraft_gnc.parameters.yaml_node import (
     compose,
     compose_file,
+    compose_text,
     convert,
     raw,
     unreadable,
@@ -53,8 +54,12 @@ Given = dict[str, dict[str, Entry]]
 """Role of a node (``plant``) -> dotted parameter name -> entry."""
 
 
-def read(path: Path, known: Sequence[str]) -> tuple[Sections, list[Problem]]:
+def read(
+    path: Path, known: Sequence[str], text: str | None = None
+) -> tuple[Sections, list[Problem]]:
     """Read a parameter file of the nodes ``known``; return what was found and what is wrong.
+
+    Of a ``text`` at hand, ``path`` only tells where it stands.
 
     Raises
     ------
@@ -62,7 +67,7 @@ def read(path: Path, known: Sequence[str]) -> tuple[Sections, list[Problem]]:
         If the file cannot be read as a mapping of nodes at all.
     """
     reader = _Reader(str(path), known)
-    root = compose_file(path)
+    root = compose_file(path) if text is None else compose_text(text, path)
     if not isinstance(root, yaml.MappingNode):
         what = "an empty file" if root is None else "no mapping of nodes"
         raise InvalidScenario([unreadable(path, what, _EXAMPLE)])

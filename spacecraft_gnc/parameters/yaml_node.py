@@ -53,18 +53,22 @@ def compose_file(path: Path) -> yaml.Node | None:
     InvalidScenario
         If the file cannot be read, or is no YAML; with the line where that is known.
     """
-    text = _text(path)
+    return compose_text(_text(path), path)
+
+
+def compose_text(text: str, source: Path) -> yaml.Node | None:
+    """Return, likewise, the root node of a text that stands in ``source``."""
     try:
         return compose(text)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else None
-        problem = unreadable(path, f"bad YAML ({error.problem})", "mend this line", line)
+        problem = unreadable(source, f"bad YAML ({error.problem})", "mend this line", line)
     except yaml.YAMLError as error:
         line = text[: getattr(error, "position", 0)].count("\n") + 1
-        problem = unreadable(path, "bad YAML (a forbidden character)", "remove it", line)
+        problem = unreadable(source, "bad YAML (a forbidden character)", "remove it", line)
     except RecursionError:
-        problem = unreadable(path, "bad YAML (nested too deeply)", "flatten it")
+        problem = unreadable(source, "bad YAML (nested too deeply)", "flatten it")
     raise InvalidScenario([problem])
 
 

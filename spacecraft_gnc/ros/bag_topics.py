@@ -18,12 +18,12 @@ from rclpy.qos import (
 )
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from spacecraft_gnc.recording.provenance import version_of
 from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
 from spacecraft_gnc.recording.schema_text import InstalledInterfaces, schema_text
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.ros.parameters import parameter_files
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario.provenance import version_of
 
 if TYPE_CHECKING:  # it imports every message of the graph; `gnc inspect` must not need them
     from spacecraft_gnc.ros.topics import Topic

@@ -68,7 +68,9 @@ def load(path: str | Path, overrides: Overrides = (), namespace: str | None = No
     return _scenario(given, str(file), problems, warnings)
 
 
-def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, dict[str, Value]]:
+def read_sections(
+    path: str | Path, namespace: str | None = None, text: str | None = None
+) -> dict[str, dict[str, Value]]:
     """Return what a file gives each node, by dotted name, without checking the values.
 
     Parameters
@@ -77,6 +79,8 @@ def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, d
         ROS 2 parameter file.
     namespace : str, optional
         Of the nodes, where the file names several.
+    text : str, optional
+        What the file says, if it is at hand; ``path`` then only tells where it stands.
 
     Raises
     ------
@@ -84,7 +88,7 @@ def read_sections(path: str | Path, namespace: str | None = None) -> dict[str, d
         If the file cannot be read, or holds keys that ROS 2 could not use.
     """
     sections: Sections = {}
-    add_file(sections, Path(require_path("path", path)))
+    add_file(sections, Path(require_path("path", path)), text)
     problems: list[Problem] = []
     nodes = node_names(namespace_of(sections, str(path), namespace))
     given = given_to(sections, nodes, problems)

@@ -107,15 +107,15 @@ def namespace_of(sections: Sections, file: str, wanted: str | None = None) -> st
     raise InvalidScenario([Problem(file, None, "", what, "one", "name it with --namespace")])
 
 
-def add_file(sections: Sections, path: Path) -> None:
-    """Lay the values of a parameter file over sections, as ROS 2 does.
+def add_file(sections: Sections, path: Path, text: str | None = None) -> None:
+    """Lay the values of a parameter file, or of its ``text``, over sections, as ROS 2 does.
 
     Raises
     ------
     InvalidScenario
         If it cannot be read, or holds keys that ROS 2 could not use.
     """
-    found, problems = read(path, tuple(SECTIONS))
+    found, problems = read(path, tuple(SECTIONS), text)
     if problems:
         raise InvalidScenario(problems)
     for pattern, entries in found.items():

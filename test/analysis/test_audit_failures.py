@@ -10,10 +10,10 @@ from flown_bags import TERMINAL_SET, edited, first_of, fly, messages_of, rewrite
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp import Status
 from spacecraft_gnc.recording import columns
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
 from spacecraft_gnc.vehicles.rigid_body.audit.standstills import STANDSTILLS

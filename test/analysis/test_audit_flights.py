@@ -10,12 +10,12 @@ from flown_bags import TERMINAL_SET, edited, first_of, flipped, fly, messages_of
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit.run import audit_bag
 from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import read_evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.recording.bag import open_bag
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier

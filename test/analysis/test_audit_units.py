@@ -11,7 +11,7 @@ from rescaled import rescaled
 
 from spacecraft_gnc.analysis.audit.run import audit_bag
 from spacecraft_gnc.analysis.metrics import summarize
-from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.analysis.reader import read_flight
 
 CONFIG = Path(__file__).parents[2] / "config"
 UNITS = [(1e-6, 1.0, 1.0), (1e5, 1.0, 1.0), (1.0, 60.0, 1.0), (1.0, 1.0, 1e-9)]

@@ -9,9 +9,9 @@ from analysis.flights import at_rest, case1, scenario
 from recording.bags import CODEC, flight_messages, random_flight, record
 
 from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.analysis.reader import load_run
 from spacecraft_gnc.analysis.telemetry import computed, read_telemetry
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.recording.reader import load_run
 
 FLIGHT = random_flight(6)
 LOST = 2

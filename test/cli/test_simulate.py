@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.analysis.reader import load_run
 from spacecraft_gnc.cli import simulate as module
 from spacecraft_gnc.cli._common import json_able
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
-from spacecraft_gnc.recording.reader import load_run
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 

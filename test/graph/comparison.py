@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.scenario import load
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"

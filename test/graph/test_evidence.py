@@ -15,14 +15,14 @@ from graph.conftest import CASE1, Graph
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc import __version__
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import NodeDied
 from spacecraft_gnc.launcher.progress import Display, Report
 from spacecraft_gnc.recording.bag import open_bag
-from spacecraft_gnc.recording.provenance import lock_file
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.recording.rebuild import rebuild
 from spacecraft_gnc.scenario import load
+from spacecraft_gnc.scenario.provenance import lock_file
 
 pytestmark = pytest.mark.graph
 

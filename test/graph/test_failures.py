@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
+from spacecraft_gnc.analysis.reader import Flight, read_flight
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused
-from spacecraft_gnc.recording.reader import Flight, read_flight
 
 pytestmark = pytest.mark.graph
 

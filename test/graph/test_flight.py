@@ -14,7 +14,7 @@ from live.layout import require_filled, shown
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.recording.reader import read_flight
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.ros.cdr import Layout
 
 pytestmark = pytest.mark.graph

@@ -23,11 +23,11 @@ from spacecraft_gnc_msgs.msg import GovernorStatus
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.audit.ledger import Check
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted
 from spacecraft_gnc.loop.protocols import Reference
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.ros import convert
 from spacecraft_gnc.ros.topics import DIAGNOSTICS, GOVERNOR, GOVERNOR_STATUS, TARGET
 

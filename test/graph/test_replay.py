@@ -30,8 +30,8 @@ from graph.players import (
 from recording.foreign_bags import edit, with_the_span_of_the_end, without_qos
 from std_msgs.msg import String
 
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher import environment
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.ros.convert import decode_torque
 from spacecraft_gnc.ros.topics import latched
 

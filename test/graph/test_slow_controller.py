@@ -15,10 +15,10 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.task import Future
 
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import NodeDied
 from spacecraft_gnc.launcher.progress import Display
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.ros.topics import TORQUE
 
 pytestmark = pytest.mark.graph

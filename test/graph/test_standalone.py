@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher import domain, environment
-from spacecraft_gnc.recording.reader import read_flight
 
 pytestmark = pytest.mark.graph
 

@@ -15,10 +15,10 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.live import history
 from spacecraft_gnc.analysis.live.picture import Phase, source_name, status_name
 from spacecraft_gnc.analysis.live.recorded import RecordedFlight
+from spacecraft_gnc.analysis.reader import Flight
+from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.solution import Status
-from spacecraft_gnc.recording.reader import Flight
-from spacecraft_gnc.recording.run_info import RunInfo
 
 
 def test_the_step_is_the_last_one_that_began() -> None:

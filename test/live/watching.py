@@ -11,8 +11,8 @@ from analysis.flights import case1, scenario
 
 from spacecraft_gnc.analysis.live.feed import PERIOD, Feed
 from spacecraft_gnc.analysis.live.recorded import RecordedFlight
-from spacecraft_gnc.recording.reader import Flight
-from spacecraft_gnc.recording.run_info import RunInfo
+from spacecraft_gnc.analysis.reader import Flight
+from spacecraft_gnc.analysis.run_info import RunInfo
 
 PATIENCE = 60.0  # [s] wall: after this a test has failed
 ZONE = {

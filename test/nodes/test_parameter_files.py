@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from parameter_forms import FORMS, SCENARIOS, WILDCARD_LAST
 
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher import domain, environment
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.plan import make_plan, node_options
 from spacecraft_gnc.launcher.progress import Display
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.ros.parameters import command_line
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.checked import plain_values

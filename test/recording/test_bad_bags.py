@@ -13,8 +13,8 @@ from mcap.writer import Writer
 from recording.bags import CODEC, announce, flight_messages, random_flight, record
 from rosbags.highlevel import AnyReader
 
+from spacecraft_gnc.analysis.reader import load_run, read_flight
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.recording.reader import load_run, read_flight
 from spacecraft_gnc.recording.recover import rewrite
 from spacecraft_gnc.recording.writer import BagWriter
 

@@ -24,10 +24,10 @@ from recording.foreign_bags import (
     write,
 )
 
+from spacecraft_gnc.analysis.reader import load_run, read_flight
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.playback import CLOCK, Playback
-from spacecraft_gnc.recording.reader import load_run, read_flight
 from spacecraft_gnc.recording.rebuild import rebuild
 from spacecraft_gnc.recording.writer import BagWriter
 

@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from recording.bags import CODEC, announce, flight_messages, random_flight, record
 
+from spacecraft_gnc.analysis.reader import load_run, read_flight
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.trajectory import Trajectory
-from spacecraft_gnc.recording.reader import load_run, read_flight
 from spacecraft_gnc.recording.writer import BagWriter
 
 FLIGHT = random_flight(12)

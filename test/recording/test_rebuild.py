@@ -13,10 +13,10 @@ from mcap_ros2.decoder import DecoderFactory
 from recording.bags import CODEC, announce, flight_messages, random_flight
 from rosbags.highlevel import AnyReader
 
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording import rebuild as module
 from spacecraft_gnc.recording.bag import open_bag
-from spacecraft_gnc.recording.reader import read_flight
 from spacecraft_gnc.recording.rebuild import rebuild
 from spacecraft_gnc.recording.writer import BagWriter
 

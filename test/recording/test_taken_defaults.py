@@ -10,9 +10,9 @@ import pytest
 from flown_bags import fly
 
 from spacecraft_gnc.analysis.audit.run import audit_bag
-from spacecraft_gnc.recording.reader import load_run
-from spacecraft_gnc.recording.run_info import parse_scenario
+from spacecraft_gnc.analysis.reader import load_run
 from spacecraft_gnc.scenario import Scenario, from_sections
+from spacecraft_gnc.scenario.recorded import parse_scenario
 from spacecraft_gnc.vehicles.rigid_body.parameters import defaults, known
 
 INERTIA = [2.0, 0.0, 0.0, 0.0, 1.8, 0.0, 0.0, 0.0, 1.5]

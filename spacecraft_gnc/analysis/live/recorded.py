@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from spacecraft_gnc.recording.reader import Flight
+    from spacecraft_gnc.analysis.reader import Flight
 
 
 class RecordedFlight:

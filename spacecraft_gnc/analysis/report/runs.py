@@ -10,15 +10,15 @@ import numpy as np
 
 from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.analysis.reader import load_run
+from spacecraft_gnc.analysis.run_info import UNKNOWN_SCENARIO
 from spacecraft_gnc.analysis.telemetry import Telemetry, read_telemetry
 from spacecraft_gnc.analysis.verdict import Verdict, Watch, audit_verdict
-from spacecraft_gnc.recording.reader import load_run
-from spacecraft_gnc.recording.run_info import UNKNOWN_SCENARIO
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
+    from spacecraft_gnc.analysis.run_info import RunInfo
     from spacecraft_gnc.loop.trajectory import Trajectory
-    from spacecraft_gnc.recording.run_info import RunInfo
     from spacecraft_gnc.scenario import Scenario
 
 

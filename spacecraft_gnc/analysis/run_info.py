@@ -3,22 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Final
 
-from spacecraft_gnc.errors import GncError, ParameterError
-from spacecraft_gnc.parameters.parameter import Value
 from spacecraft_gnc.recording.metadata import LOSSES_RECORD, RECOVERED_RECORD
-from spacecraft_gnc.scenario import Scenario, from_sections, read_sections
-from spacecraft_gnc.vehicles.rigid_body.parameters.defaults import follows_from_formula
-from spacecraft_gnc.vehicles.rigid_body.parameters.former import former_defaults
-
-SCENARIO_ATTACHMENT: Final = "scenario.yaml"
-"""Name under which a recorder attaches the scenario that flew, with overrides merged in."""
-DEFAULTS_ATTACHMENT: Final = "defaults.yaml"
-"""Name under which it attaches the defaults that this scenario took by formulas."""
+from spacecraft_gnc.scenario import Scenario
 
 UNKNOWN_SCENARIO: Final = (
     "the scenario is not known: no torque limit, no zones, no cost; name it with --scenario"
@@ -86,51 +76,6 @@ class RunInfo:
             if lost != "0" and topic.rpartition("/")[2] not in self.missing:
                 lines.append(f"{self.path}: {topic} lost {lost} on the way to the recorder")
         return lines
-
-
-def scenario_texts(attachments: Mapping[str, bytes]) -> tuple[str, str]:
-    """Return the scenario in the attachments of a bag and the defaults that it took, as texts."""
-    names = SCENARIO_ATTACHMENT, DEFAULTS_ATTACHMENT
-    scenario, defaults = (attachments.get(name, b"").decode(errors="replace") for name in names)
-    return scenario, defaults
-
-
-def parse_scenario(
-    text: str, source: Path, namespace: str | None = None, defaults: str = ""
-) -> tuple[Scenario | None, str]:
-    """Return the scenario of a namespace in a text and, if it is refused, the first reason.
-
-    ``defaults``: those that the flight took, as recorded; a flight without any is one of before
-    they followed from the spacecraft.
-    """
-    if not text:
-        return None, ""
-    with TemporaryDirectory(prefix="gnc_scenario_") as folder:
-        file = Path(folder, SCENARIO_ATTACHMENT)
-        file.write_text(text, encoding="utf-8")
-        try:
-            # as the nodes read it: a flight may have been cut short on purpose
-            sections = read_sections(file, namespace)
-            stated = _defaults(defaults, file) if defaults else former_defaults(sections)
-            scenario = from_sections(sections, str(file), stated)
-        except GncError as error:
-            return None, str(error).splitlines()[0].replace(str(file), SCENARIO_ATTACHMENT)
-    return replace(scenario, path=f"{source}/{SCENARIO_ATTACHMENT}"), ""
-
-
-def _defaults(text: str, file: Path) -> dict[str, dict[str, Value]]:
-    if not any(line and not line.startswith("#") for line in text.splitlines()):
-        return {}  # the scenario states everything
-    file.write_text(text, encoding="utf-8")
-    stated = read_sections(file)
-    for section, values in stated.items():
-        for name in values:
-            if not follows_from_formula(section, name):
-                raise ParameterError(
-                    f"{section}.{name}: received as a default that the recording took; required "
-                    "one that a formula gives (docs/scenario.md); the attachment was changed"
-                )
-    return stated
 
 
 def _listed(steps: tuple[int, ...]) -> str:

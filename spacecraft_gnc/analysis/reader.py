@@ -11,16 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording._scan import Progress
 from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns
-from spacecraft_gnc.recording.run_info import (
-    RunInfo,
-    parse_scenario,
-    scenario_texts,
-)
 from spacecraft_gnc.recording.steps import (
     ACCEPTED_TARGET,
     GOVERNOR_STATUS,
@@ -32,6 +28,7 @@ from spacecraft_gnc.recording.steps import (
     flight_namespace,
 )
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario.recorded import parse_scenario, scenario_texts
 from spacecraft_gnc.types import Array
 
 NPZ_SUFFIX: Final = ".npz"
