@@ -1,0 +1,1 @@
+"""Spacecraft with reaction wheels: gyrostat dynamics, plant, feedback law and metrics."""

@@ -1,0 +1,120 @@
+"""Simulated spacecraft with reaction wheels, advanced one control step at a time."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.arguments import as_count, require_kind
+from spacecraft_gnc.arrays import as_float, as_shaped, listed
+from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.types import Array, ArrayLike, Invariants, Vector3
+from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
+from spacecraft_gnc.vehicles.two_wheel.state import WheelState
+
+
+class GyrostatPlant:
+    """A bus with m reaction wheels, driven by their accelerations.
+
+    Parameters
+    ----------
+    gyrostat : Gyrostat
+        Inertias, axes, limits and integrator step.
+    initial : WheelState
+        State at the start, from `Gyrostat.state_from_rate` or `Gyrostat.state_from_momentum`.
+    n_steps : int
+        Control steps of the scenario.
+    substeps : int
+        Integrator steps in one control period, over which the accelerations are held.
+    lost_at : (m,) array, optional
+        Time [s] from which on a wheel holds its speed, whatever is commanded; infinity: never. It
+        takes effect at the first control step that does not start before it.
+
+    Raises
+    ------
+    ShapeError, ParameterError
+        If an argument is refused.
+    """
+
+    def __init__(
+        self,
+        gyrostat: Gyrostat,
+        initial: WheelState,
+        n_steps: int,
+        substeps: int = 1,
+        lost_at: ArrayLike | None = None,
+    ) -> None:
+        remedy = "lengthen the duration to one control period or more"
+        self.gyrostat = require_kind("gyrostat", gyrostat, Gyrostat)
+        self.substeps = as_count("substeps", substeps)
+        self.period = self.substeps * gyrostat.time_step
+        self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
+        self._initial = require_kind("initial", initial, WheelState)
+        as_shaped("initial.wheel_speed", initial.wheel_speed, (gyrostat.n_wheels,))
+        self._lost_from = self._loss_steps(lost_at)
+        self._state = self._initial
+
+    @property
+    def state(self) -> WheelState:
+        """State at the start of the current control step."""
+        return self._state
+
+    @property
+    def healthy(self) -> NDArray[np.bool_]:
+        """Whether each wheel (m,) answers its command in the current control step."""
+        return np.asarray(self._state.step < self._lost_from)
+
+    def step(self, acceleration: Array) -> WheelState:
+        """Hold wheel accelerations (m,) [rad/s^2] for one control period; return the new state.
+
+        Raises
+        ------
+        ShapeError, ParameterError
+            If it is not m finite numbers, or the bus has come to turn too fast for the time step.
+        """
+        command = as_shaped("acceleration", acceleration, (self.gyrostat.n_wheels,))
+        # A product, so that NaN is refused even where it is meant for a failed wheel.
+        self._state = self.gyrostat.step(self._state, command * self.healthy, self.substeps)
+        return self._state
+
+    def invariants(self) -> Invariants:
+        """Energy, total inertial momentum and orthogonality error of the current state."""
+        defect = self._state.attitude.T @ self._state.attitude - np.eye(3)
+        return Invariants(
+            self.gyrostat.kinetic_energy(self._state),
+            self._state.total_momentum,
+            float(np.linalg.norm(defect)),
+        )
+
+    def angular_velocity(self) -> Vector3:
+        """Rate of the bus (3,) in the current state, body frame [rad/s]."""
+        return self._state.angular_velocity
+
+    def warm_up(self) -> None:
+        """Load the integrator's kernels."""
+        self.gyrostat.step(self._initial, np.zeros(self.gyrostat.n_wheels))
+
+    def reset(self) -> None:
+        """Return to the initial state."""
+        self._state = self._initial
+
+    def _loss_steps(self, lost_at: ArrayLike | None) -> Array:
+        """Return the first step (m,) of which each wheel is lost; infinity: none."""
+        n_wheels = self.gyrostat.n_wheels
+        if lost_at is None:
+            return np.full(n_wheels, math.inf)
+        times = as_float("lost_at", lost_at, f"{n_wheels} times [s]")
+        if times.shape != (n_wheels,):
+            raise ShapeError(
+                f"lost_at: received an array of shape {times.shape}; required ({n_wheels},), one "
+                "time for each wheel; use infinity for a wheel that is not lost"
+            )
+        if not (times >= 0.0).all():
+            raise ParameterError(
+                f"lost_at: received {listed(times)}; required times >= 0 s; use infinity for a "
+                "wheel that is not lost"
+            )
+        # A hair of slack: 1.2 s are 3 steps of 0.4 s whatever the last bit.
+        return np.ceil(times / self.period * (1.0 - 1e-12))

@@ -1,0 +1,344 @@
+"""The gyrostat against first principles, its conservation laws and a high-order method."""
+
+from __future__ import annotations
+
+import math
+import os
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from independent import hat
+from scipy.integrate import solve_ivp
+from strategies import inertias, rotations, vectors
+from wheeled import (
+    FULL_INERTIA,
+    ORTHOGONAL,
+    PYRAMID,
+    WHEEL_SETS,
+    afrl,
+    momentum,
+    small,
+)
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.errors import GncError, ParameterError, ShapeError
+from spacecraft_gnc.vehicles.two_wheel import _gyrostat_kernels as kernels
+from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
+from spacecraft_gnc.vehicles.two_wheel.state import WheelState
+
+ATTITUDE = lie.exp(np.array([0.3, 0.2, 0.1]))
+RATE = np.array([0.3, -0.5, 0.8])  # [rad/s]
+SPEEDS = np.array([100.0, -50.0, 30.0, 20.0])  # [rad/s]
+MILLION = 10_000 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 1_000_000
+
+
+def start(gyrostat, share=1.0):
+    return gyrostat.state_from_rate(ATTITUDE, RATE, share * SPEEDS[: gyrostat.n_wheels])
+
+
+# --- conservation ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_total_momentum_is_conserved_over_a_million_steps(moving):
+    gyrostat = small(PYRAMID, 0.01, max_speed=200.0)
+    commands = np.random.default_rng(0).normal(scale=20.0, size=(MILLION, 4))
+    motion = gyrostat.simulate(start(gyrostat), commands if moving else np.zeros((MILLION, 4)))
+    total = momentum(gyrostat, *motion)
+    # Rounding of the formula above; none of it adds up.
+    assert np.abs(total - total[0]).max() < 1e-14 * np.linalg.norm(total[0])
+    gram = np.einsum("nji,njk->nik", motion[0], motion[0])
+    assert np.abs(gram - np.eye(3)).max() < 1e-14
+    assert np.ptp(motion[2], axis=0).min() > 50.0 if moving else np.ptp(motion[2]) > 0.0
+
+
+def test_zero_momentum_stays_zero_while_the_wheels_turn_the_bus():
+    gyrostat = afrl(WHEEL_SETS["two"])
+    state = gyrostat.state_from_rate(ATTITUDE, np.zeros(3), np.zeros(2))
+    commands = np.random.default_rng(1).normal(scale=3.0, size=(MILLION // 10, 2))
+    motion = gyrostat.simulate(state, commands)
+    total = momentum(gyrostat, *motion)
+    exchanged = np.abs(motion[1] @ gyrostat.inertia).max()
+    assert exchanged > 1.0
+    assert np.abs(total).max() < 1e-15 * exchanged
+    # Kolmanovsky et al. 2016 (2): omega_i = -(Js / J_i) nu_i, and no rate about the third axis.
+    expected = -0.043 * motion[2] / np.array([430.0, 1210.0])
+    assert np.abs(motion[1][:, :2] - expected).max() < 1e-15
+    assert np.abs(motion[1][:, 2]).max() == 0.0
+
+
+@pytest.mark.parametrize("axes", WHEEL_SETS.values(), ids=WHEEL_SETS)
+def test_the_energy_of_the_bus_is_conserved_while_the_wheels_keep_their_speeds(axes):
+    """omega . J omega / 2: the motors work on the wheels, so that the kinetic energy oscillates."""
+    gyrostat = small(axes, 0.05)
+    state = start(gyrostat, 0.2)
+    _, rates, _ = gyrostat.simulate(state, np.zeros(gyrostat.n_wheels), MILLION)
+    energy = 0.5 * np.einsum("ni,ni->n", rates, rates @ gyrostat.inertia)
+    assert np.abs(energy / energy[0] - 1.0).max() < 1e-11
+    assert np.ptp(np.abs(rates)) > 0.1  # a tumble, not a steady spin
+
+
+@settings(max_examples=50)
+@given(inertias(), vectors(2.0), vectors(1.0), vectors(0.5), st.floats(-0.2, 0.2))
+def test_a_stage_changes_the_energy_by_exactly_the_work_of_the_motors(J, Pi, g, change, h):
+    """Every stage; h < 0 too, which the composition has."""
+    body = small(ORTHOGONAL, 1.0).body.copy()
+    body[:18] = np.concatenate([J.ravel(), np.linalg.inv(J).ravel()])
+    mean = tuple(g + 0.5 * change)
+    q0, q, ok = kernels.midpoint_turn(body, h, tuple(Pi), mean)
+    assert ok
+    turn = lie.from_quaternion_xyzw(np.array([*q, q0]))
+    after = turn.T @ Pi
+    before_rate, after_rate = np.linalg.solve(J, Pi - g), np.linalg.solve(J, after - g - change)
+    gain = 0.5 * (after_rate @ J @ after_rate - before_rate @ J @ before_rate)
+    assert gain == pytest.approx(-0.5 * (before_rate + after_rate) @ change, abs=2e-14)
+
+
+def test_kinetic_energy_is_the_sum_over_the_bodies():
+    gyrostat = small(PYRAMID, 0.1)
+    state = start(gyrostat)
+    axes, axial = gyrostat.wheel_axes, gyrostat.wheel_inertias
+    bus = FULL_INERTIA - (axes * axial) @ axes.T  # all but the wheels' spins
+    spins = axes.T @ RATE + SPEEDS
+    assert gyrostat.kinetic_energy(state) == pytest.approx(
+        0.5 * RATE @ bus @ RATE + 0.5 * axial @ spins**2, rel=1e-14
+    )
+
+
+# --- the equations of motion ----------------------------------------------------------------
+
+
+class Bodies:
+    """Bus and wheels as separate rigid bodies, each with its own momentum and angular rate."""
+
+    def __init__(self, rng, axes):
+        self.axes = axes / np.linalg.norm(axes, axis=0)
+        self.bus = np.array([[0.9, 0.04, -0.08], [0.04, 0.7, 0.01], [-0.08, 0.01, 0.8]])
+        self.axial = rng.uniform(0.01, 0.02, axes.shape[1])
+        self.transverse = 0.6 * self.axial
+        self.offsets = [rng.uniform(0.0, 0.1) for _ in self.axial]  # m r^2 of each wheel's center
+
+    def wheel_tensor(self, i):
+        along = np.outer(self.axes[:, i], self.axes[:, i])
+        return self.axial[i] * along + self.transverse[i] * (np.eye(3) - along)
+
+    def momentum(self, rate, speeds):
+        """Sum of the momenta of bus, wheels and wheels' centers, body frame."""
+        total = self.bus @ rate
+        for i, speed in enumerate(speeds):
+            total = total + self.wheel_tensor(i) @ (rate + speed * self.axes[:, i])
+            total = total + self.offsets[i] * (np.eye(3) - np.diag([0.0, 0.0, 1.0])) @ rate
+        return total
+
+    def locked(self):
+        return np.column_stack([self.momentum(e, np.zeros(len(self.axial))) for e in np.eye(3)])
+
+    def fly(self, attitude, rate, speeds, acceleration, duration):
+        """DOP853 on d/dt (R h(omega, nu)) = 0, that is h' = -omega x h."""
+        mass = self.locked()
+        thrust = self.momentum(np.zeros(3), acceleration)
+
+        def derivative(t, x):
+            rotation, omega = x[:9].reshape(3, 3), x[9:]
+            torque = -np.cross(omega, self.momentum(omega, speeds + t * acceleration)) - thrust
+            turn = rotation @ hat(omega)
+            return np.concatenate([turn.ravel(), np.linalg.solve(mass, torque)])
+
+        x = np.concatenate([attitude.ravel(), rate])
+        end = solve_ivp(derivative, (0.0, duration), x, method="DOP853", rtol=1e-13, atol=1e-13)
+        return end.y[:9, -1].reshape(3, 3), end.y[9:, -1]
+
+
+@pytest.mark.parametrize("axes", WHEEL_SETS.values(), ids=WHEEL_SETS)
+@pytest.mark.parametrize("driven", [False, True])
+def test_it_converges_to_the_motion_of_separate_bodies_with_fourth_order(axes, driven):
+    rng = np.random.default_rng(2)
+    bodies = Bodies(rng, axes)
+    speeds = SPEEDS[: axes.shape[1]]
+    acceleration = rng.normal(scale=10.0, size=len(speeds)) if driven else np.zeros(len(speeds))
+    turned, turning = bodies.fly(ATTITUDE, RATE, speeds, acceleration, 4.0)
+    errors = []
+    for n in (40, 80, 160):
+        gyrostat = Gyrostat(bodies.locked(), axes, bodies.axial, 4.0 / n)
+        state = gyrostat.step(gyrostat.state_from_rate(ATTITUDE, RATE, speeds), acceleration, n)
+        assert np.abs(state.wheel_speed - speeds - 4.0 * acceleration).max() < 1e-11
+        off = np.linalg.norm(state.angular_velocity - turning)
+        errors.append([lie.angle_between(state.attitude, turned), off])
+    assert max(errors[-1]) < 1e-7
+    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    assert np.abs(orders - 4.0).max() < 0.1
+
+
+def test_locked_wheels_make_a_rigid_body():
+    """Two integrators of one motion: they differ by the second order of the LGVI's own error."""
+    rest = np.zeros(3)
+    differences = []
+    for n in (400, 800):
+        gyrostat = small(ORTHOGONAL, 4.0 / n)
+        state = gyrostat.step(gyrostat.state_from_rate(ATTITUDE, RATE, rest), rest, n)
+        body = RigidBody(FULL_INERTIA, 4.0 / n)
+        attitude, after = body.step(ATTITUDE, FULL_INERTIA @ RATE, rest, n)
+        off = np.linalg.norm(state.angular_velocity - body.angular_velocity(after))
+        differences.append([lie.angle_between(state.attitude, attitude), off])
+    assert max(differences[1]) < 1e-3
+    assert np.abs(np.log2(np.divide(*differences)) - 2.0).max() < 0.05
+
+
+def test_spin_about_a_principal_axis_follows_the_momentum_exchange_in_closed_form():
+    gyrostat = Gyrostat(np.diag([1.0, 0.8, 0.6]), [[0.0], [0.0], [1.0]], [0.01], 0.5)
+    state = gyrostat.state_from_rate(np.eye(3), np.zeros(3), np.zeros(1))
+    for _ in range(4):
+        state = gyrostat.step(state, np.array([6.0]))
+    rate = -0.01 * 12.0 / 0.6
+    assert np.abs(state.angular_velocity - [0.0, 0.0, rate]).max() < 1e-16
+    assert np.abs(state.attitude - lie.exp(np.array([0.0, 0.0, 0.5 * rate * 2.0]))).max() < 1e-4
+
+
+@settings(max_examples=30)
+@given(inertias(), rotations(), vectors(1.0), st.integers(0, 2**32 - 1), st.sampled_from([1, 2, 4]))
+def test_it_goes_back_the_way_it_came(inertia, attitude, rate, seed, n_wheels):
+    rng = np.random.default_rng(seed)
+    axes = rng.normal(size=(3, n_wheels))
+    gyrostat = Gyrostat(inertia, axes, np.full(n_wheels, 0.005), 0.05)
+    commands = rng.normal(scale=20.0, size=(20, n_wheels))
+    state = gyrostat.state_from_rate(attitude, rate, rng.normal(scale=20.0, size=n_wheels))
+    there = [part[-1] for part in gyrostat.simulate(state, commands)]
+    reverse = gyrostat.state_from_rate(there[0], -there[1], -there[2])
+    back = [part[-1] for part in gyrostat.simulate(reverse, commands[::-1])]
+    assert np.abs(back[0] - attitude).max() < 1e-12
+    assert np.abs(back[1] + rate).max() < 1e-12
+    assert np.abs(back[2] + state.wheel_speed).max() < 1e-12
+
+
+@given(rotations(), vectors(2.0), vectors(50.0))
+def test_a_momentum_gives_the_rate_that_gives_the_momentum(attitude, total, speeds):
+    gyrostat = small(ORTHOGONAL, 0.1)
+    state = gyrostat.state_from_momentum(attitude, total, speeds)
+    again = gyrostat.state_from_rate(attitude, state.angular_velocity, speeds)
+    assert np.abs(again.total_momentum - total).max() < 1e-14
+    assert state.total_momentum is not total
+    assert np.array_equal(state.total_momentum, total)
+
+
+def test_the_motion_does_not_depend_on_the_inertial_frame():
+    gyrostat, turn = small(PYRAMID, 0.05), lie.exp(np.array([1.0, -2.0, 0.5]))
+    command = np.array([5.0, -3.0, 2.0, 1.0])
+    here = gyrostat.step(start(gyrostat), command, 50)
+    there = gyrostat.step(gyrostat.state_from_rate(turn @ ATTITUDE, RATE, SPEEDS), command, 50)
+    assert np.abs(turn @ here.attitude - there.attitude).max() < 1e-14
+    assert np.abs(here.angular_velocity - there.angular_velocity).max() < 1e-14
+
+
+# --- steps, limits, refusals ----------------------------------------------------------------
+
+
+def test_simulate_is_step_after_step():
+    gyrostat = small(PYRAMID, 0.05)
+    commands = np.random.default_rng(3).normal(size=(30, 4))
+    motion = gyrostat.simulate(start(gyrostat), commands)
+    state = start(gyrostat)
+    for k, command in enumerate(commands):
+        state = gyrostat.step(state, command)
+        for part, expected in zip(state[1:4], motion, strict=True):
+            assert np.array_equal(part, expected[k + 1])
+    assert state.step == 30
+    assert not any(part.flags.writeable for part in state[1:])
+
+
+def test_substeps_hold_the_command():
+    gyrostat, command = small(PYRAMID, 0.05), np.array([1.0, 2.0, -3.0, 4.0])
+    once, state = gyrostat.step(start(gyrostat), command, 7), start(gyrostat)
+    for _ in range(7):
+        state = gyrostat.step(state, command)
+    assert once.step == 1
+    for one, other in zip(once[1:], state[1:], strict=True):
+        assert np.abs(one - other).max() < 1e-13
+
+
+@given(st.lists(st.floats(-1e6, 1e6), min_size=4, max_size=4), st.integers(1, 30))
+def test_limits_hold_and_momentum_is_conserved_at_them(command, substeps):
+    gyrostat = small(PYRAMID, 0.05, max_speed=105.0, max_acceleration=30.0)
+    state = start(gyrostat)
+    after = gyrostat.step(state, np.array(command), substeps)
+    rise = np.clip(command, -30.0, 30.0) * 0.05 * substeps
+    assert np.abs(after.wheel_speed - np.clip(SPEEDS + rise, -105.0, 105.0)).max() < 1e-12
+    assert np.abs(after.wheel_speed).max() <= 105.0
+    total = momentum(gyrostat, *(part[None] for part in after[1:4]))[0]
+    assert np.abs(total - state.total_momentum).max() < 1e-14
+
+
+def test_a_wheel_beyond_its_limit_may_only_slow_down():
+    fast = small(ORTHOGONAL, 0.1).state_from_rate(ATTITUDE, RATE, [120.0, -120.0, 0.0])
+    gyrostat = small(ORTHOGONAL, 0.1, max_speed=100.0)
+    speeds = gyrostat.step(fast, np.array([10.0, 10.0, 10.0])).wheel_speed
+    assert speeds == pytest.approx([120.0, -119.0, 1.0], abs=1e-12)
+    with pytest.raises(ParameterError, match=r"wheel_speed: received .* at most 100 rad/s"):
+        gyrostat.state_from_rate(ATTITUDE, RATE, [120.0, -120.0, 0.0])
+
+
+@settings(max_examples=50)
+@given(inertias(), vectors(3.0), vectors(1.0), st.floats(1e-3, 10.0))
+def test_a_stage_solves_its_equation_or_says_that_it_does_not(J, Pi, g, h):
+    body = small(ORTHOGONAL, 1.0).body.copy()
+    body[:18] = np.concatenate([J.ravel(), np.linalg.inv(J).ravel()])
+    q0, q, ok = kernels.midpoint_turn(body, h, tuple(Pi), tuple(g))
+    turn = lie.from_quaternion_xyzw(np.array([*q, q0])) if ok else np.eye(3)
+    mean = np.linalg.solve(J, 0.5 * (Pi + turn.T @ Pi) - g)
+    f = np.array(q) / q0
+    assert not ok or np.abs(2.0 * f - h * mean).max() < 1e-12
+    # A step that is short for the rate is always taken.
+    assert ok or h * np.linalg.norm(np.linalg.solve(J, Pi - g)) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"inertia": np.diag([2.0, 0.5, 0.5])}, "inertia: .*triangle"),
+        ({"wheel_axes": np.zeros((3, 3))}, "wheel_axes: received a column 0 of zeros; required"),
+        ({"wheel_axes": np.eye(3)[:2]}, r"wheel_axes: .* required \(3, m\)"),
+        ({"wheel_axes": np.empty((3, 0))}, r"wheel_axes: .* required \(3, m\)"),
+        ({"wheel_axes": np.full((3, 3), math.nan)}, "wheel_axes: .* finite"),
+        ({"wheel_inertias": [0.01, 0.01]}, "wheel_inertias: .* required 3 numbers"),
+        ({"wheel_inertias": [0.01, 0.0, 0.01]}, "wheel_inertias: .* required positive"),
+        ({"wheel_inertias": [0.01, 0.9, 0.01]}, "wheel_inertias: .* leaves the bus"),
+        ({"time_step": 0.0}, "time_step: received 0.0"),
+        ({"max_speed": -1.0}, "max_speed: received -1.0"),
+        ({"max_acceleration": math.inf}, "max_acceleration: received inf"),
+    ],
+)
+def test_what_is_no_gyrostat_is_refused(changes, words):
+    arguments = {
+        "inertia": FULL_INERTIA, "wheel_axes": np.eye(3), "wheel_inertias": [0.01] * 3,
+        "time_step": 0.1,
+    }  # fmt: skip
+    with pytest.raises(GncError, match=words) as caught:
+        Gyrostat(**(arguments | changes))
+    assert "\n" not in str(caught.value)
+
+
+def test_states_and_commands_are_checked():
+    gyrostat = small(ORTHOGONAL, 0.1)
+    good = gyrostat.state_from_rate(ATTITUDE, RATE, np.zeros(3))
+    with pytest.raises(ShapeError, match=r"acceleration: .* 3 numbers \[rad/s\^2\]"):
+        gyrostat.step(good, np.zeros(4))
+    with pytest.raises(ParameterError, match=r"acceleration: received .*finite"):
+        gyrostat.step(good, np.array([0.0, math.nan, 0.0]))
+    with pytest.raises(ParameterError, match="substeps"):
+        gyrostat.step(good, np.zeros(3), 0)
+    with pytest.raises(ShapeError, match=r"state.wheel_speed"):
+        gyrostat.step(good._replace(wheel_speed=np.zeros(2)), np.zeros(3))
+    with pytest.raises(ParameterError, match=r"accelerations: .*one row for each step"):
+        gyrostat.simulate(good, np.zeros((2, 3)), 3)
+    with pytest.raises(ParameterError, match="attitude"):
+        gyrostat.state_from_rate(1.1 * np.eye(3), RATE, np.zeros(3))
+    with pytest.raises(ParameterError, match="total_momentum"):
+        gyrostat.state_from_momentum(np.eye(3), [0.0, math.inf, 0.0], np.zeros(3))
+    for unknown in (np.full(3, math.nan), np.full(3, 1e3)):
+        wild = WheelState(0, ATTITUDE, unknown, np.zeros(3), unknown)
+        with pytest.raises(ParameterError, match=r"quarter turn .* use a smaller time step"):
+            gyrostat.step(wild, np.zeros(3))
+        with pytest.raises(ParameterError, match="use a smaller time step"):
+            gyrostat.simulate(wild, np.zeros(3), 2)
