@@ -7,6 +7,7 @@ costates from (34)-(38) as printed, the cost from (27)-(30) with Frobenius norms
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import expm
 
 
 def hat(a):
@@ -23,13 +24,27 @@ def cayley(f):
 
 
 class Problem:
-    """Data of one problem; ``zones`` are (v, w, beta, mu) of (30): H = beta - v . R^T w."""
+    """Data of one problem; ``zones`` are (v, w, beta, mu) of (30): H = beta - v . R^T w.
 
-    def __init__(self, J, h, N, Q1, Q2, Q3, P1, P2, alpha, mu0, zones, R_ref):
+    The reference turns at ``omega`` with the torque ``tau``, both in its own frame. Its momentum is
+    the one with which the integrator makes that turn, by the matrix equation; what the integrator
+    needs beyond the continuous body's omega x J omega is added to its torque.
+    """
+
+    def __init__(
+        self, J, h, N, Q1, Q2, Q3, P1, P2, alpha, mu0, zones, R_ref,
+        omega=(0.0, 0.0, 0.0), tau=(0.0, 0.0, 0.0),
+    ):  # fmt: skip
         self.J, self.h, self.N = J, h, N
         self.Q1, self.Q2, self.Q3, self.P1, self.P2 = Q1, Q2, Q3, P1, P2
-        self.alpha, self.mu0, self.zones, self.R_ref = alpha, mu0, zones, R_ref
+        self.alpha, self.mu0, self.zones = alpha, mu0, zones
         self.Jd = 0.5 * np.trace(J) * np.eye(3) - J
+        omega = np.asarray(omega)
+        F = expm(h * hat(omega))
+        self.R_refs = [R_ref @ expm(k * h * hat(omega)) for k in range(N + 1)]
+        self.Pi_ref = vee(F @ self.Jd - self.Jd @ F.T) / h
+        needed = (self.Pi_ref - F.T @ self.Pi_ref) / h
+        self.u_ref = np.asarray(tau) + needed - np.cross(omega, J @ omega)
 
     def relative_rotation(self, Pi):
         """F of h hat(Pi) = F Jd - Jd F^T by Newton on its Cayley vector."""
@@ -65,9 +80,9 @@ class Problem:
         for k in range(self.N):
             R_k, Pi_k = states[k]
             total = total + h * (
-                frobenius(self.Q1, R_k - self.R_ref)
-                + frobenius(self.Q2, hat(Pi_k))
-                + frobenius(self.Q3, hat(u[k]))
+                frobenius(self.Q1, R_k - self.R_refs[k])
+                + frobenius(self.Q2, hat(Pi_k - self.Pi_ref))
+                + frobenius(self.Q3, hat(u[k] - self.u_ref))
             )
             H0 = 0.5 * np.trace(hat(u[k]).T @ hat(u[k])) - self.alpha
             if self.alpha > 0.0 and H0.real > 0.0:
@@ -77,7 +92,8 @@ class Problem:
                 if H.real > 0.0:
                     total = total + h * mu * H**2
         R_N, Pi_N = states[-1]
-        return total + frobenius(self.P1, R_N - self.R_ref) + frobenius(self.P2, hat(Pi_N))
+        ends = frobenius(self.P2, hat(Pi_N - self.Pi_ref))
+        return total + frobenius(self.P1, R_N - self.R_refs[self.N]) + ends
 
     def residual(self, R, Pi, lam):
         """Residual (44) after running (31)-(38) forward from multipliers lam (6,)."""
@@ -85,21 +101,23 @@ class Problem:
         for k in range(self.N):
             F = self.relative_rotation(Pi)
             if k > 0:
-                g = -h * vee(R.T @ self.Q1 @ self.R_ref)
+                g = -h * vee(R.T @ self.Q1 @ self.R_refs[k])
                 for v, w, beta, mu in self.zones:
                     H = beta - v @ (R.T @ w)
                     if H.real > 0.0:
                         g = g - mu * vee(R.T @ (2.0 * h * H * np.outer(w, v)))
                 M = h * F.T @ np.linalg.inv(np.trace(F @ self.Jd) * np.eye(3) - F @ self.Jd)
                 l1 = F.T @ (l1 + g)
-                right = -M.T @ l1 + l2 + h * vee(self.Q2 @ hat(Pi))
+                right = -M.T @ l1 + l2 + h * vee(self.Q2 @ hat(Pi - self.Pi_ref))
                 l2 = np.linalg.solve(F - M.T @ hat(F.T @ Pi), right)
             R, Pi = R @ F, F.T @ Pi + h * self.control(l2)
-        return np.concatenate([l1 - vee(R.T @ self.P1 @ self.R_ref), l2 + vee(self.P2 @ hat(Pi))])
+        end = vee(R.T @ self.P1 @ self.R_refs[self.N])
+        return np.concatenate([l1 - end, l2 + vee(self.P2 @ hat(Pi - self.Pi_ref))])
 
     def control(self, l2):
         """u of (38) by Newton on its three equations, from the real solution."""
         S3 = 0.5 * (np.trace(self.Q3) * np.eye(3) - self.Q3)
+        l2 = l2 + S3 @ self.u_ref
         u = np.linalg.solve(S3, l2)
         if self.alpha <= 0.0 or (u @ u).real <= self.alpha:
             return u

@@ -8,17 +8,20 @@ import numpy as np
 from hypothesis import assume
 from hypothesis import strategies as st
 from independent import Problem
-from strategies import inertias, rotations, weights
+from strategies import inertias, rotations, vectors, weights
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.ocp import AttitudeOcp, PointingZone, Status, Weights
 from spacecraft_gnc.ocp import _shooting_kernels as kernels
 from spacecraft_gnc.ocp._stage_kernels import work_size
+from spacecraft_gnc.ocp.reference import as_reference
 from spacecraft_gnc.ocp.rollout import track_of
+from spacecraft_gnc.types import Reference
 
 
 def independent(ocp, reference=None):
     """The same problem for the plain implementation."""
+    reference = as_reference(reference)
     w = ocp.weights
     zones = [
         (z.body_axis, -z.sign * z.inertial_axis, -z.sign * math.cos(z.half_angle), z.penalty)
@@ -27,7 +30,7 @@ def independent(ocp, reference=None):
     return Problem(
         ocp.inertia, ocp.time_step, ocp.horizon, w.stage_attitude, w.stage_momentum, w.stage_torque,
         w.terminal_attitude, w.terminal_momentum, ocp.max_torque**2, ocp.torque_penalty, zones,
-        np.eye(3) if reference is None else reference,
+        *reference,
     )  # fmt: skip
 
 
@@ -51,6 +54,15 @@ def shoot(ocp, attitude, momentum, reference, multipliers):
     assert status == Status.CONVERGED
     kernels.shooting_jacobian(*constants, *horizon, T, E, False)
     return np.array([*E1, *E2]), E
+
+
+@st.composite
+def references(draw):
+    """An attitude at rest, or one that moves, with a torque that may have nothing to do with it."""
+    attitude = draw(rotations())
+    if draw(st.booleans()):
+        return attitude
+    return Reference(attitude, draw(vectors(0.5)), draw(vectors(0.2)))
 
 
 @st.composite

@@ -91,7 +91,7 @@ assert o.converged and o.terminal_multiplier > 0.0
 found |= {"terminal_torques": o.torques, "terminal_cost": o.cost}
 found |= {"terminal_reached": o.terminal_level, "terminal_level": kalabic.level.value}
 def certified(problem, o, has_set):
-    plan = (o.reference, o.attitudes, o.momenta, o.torques, o.costates[0])
+    plan = (o.reference, o.attitudes, o.momenta, o.torques, o.costates[0], o.feedforward)
     certifier = Certifier(problem, problem.data, problem.zone_rows, has_set)
     c = certifier.certify(Plans(*(np.ascontiguousarray(x[None]) for x in plan)))
     numbers = [c.cost[0], c.residual[0], c.curvature[0], c.multiplier[0], c.largest[0]]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from spacecraft_gnc._kernels import kernel
-from spacecraft_gnc.dynamics._lgvi_kernels import body_inverse_inertia
+from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia, body_inverse_inertia
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     dot,
@@ -17,11 +17,14 @@ from spacecraft_gnc.lie._mat3_kernels import (
     load9_rows,
     mat_mat,
     mat_t_mat,
+    mat_t_vec,
     mat_vec,
     scale,
     store3,
+    sub,
     vee_antisymmetric,
 )
+from spacecraft_gnc.ocp._track_kernels import is_moving
 
 
 @kernel
@@ -37,12 +40,30 @@ def momentum_gain(law):
 
 
 @kernel
-def feedback_torque(law, E, Pi):
-    """(9), (10): T = -(K Pi + e), hat(e) = A E - E^T A, scaled down to the limit."""
+def _demand(law, E, Pi):
+    """-(K Pi + e), hat(e) = A E - E^T A."""
     e = scale(2.0, vee_antisymmetric(mat_mat(attitude_gain(law), E)))
-    T = scale(-1.0, add(mat_vec(momentum_gain(law), Pi), e))
+    return scale(-1.0, add(mat_vec(momentum_gain(law), Pi), e))
+
+
+@kernel
+def _limited(law, T):
+    """T, scaled down to the limit."""
     size = math.sqrt(dot(T, T))
     return scale(law[18] / size, T) if size > law[18] else T
+
+
+@kernel
+def feedback_torque(law, E, Pi):
+    """(9), (10) at rest: T = -(K Pi + e), scaled down to the limit."""
+    return _limited(law, _demand(law, E, Pi))
+
+
+@kernel
+def tracking_torque(law, body, E, Pi, omega, tau):
+    """T = E^T tau - K (Pi - J E^T omega) - e, scaled down to the limit."""
+    off = sub(Pi, mat_vec(body_inertia(body), mat_t_vec(E, omega)))
+    return _limited(law, add(mat_t_vec(E, tau), _demand(law, E, off)))
 
 
 @kernel
@@ -55,10 +76,14 @@ def lyapunov(law, body, E, Pi):
 
 
 @kernel
-def command(law, states, torque):
-    """Write the torque (1, 3) at ``states`` (7, 3): rows C, Pi, V."""
-    E = mat_t_mat(load9_rows(states, 4), load9_rows(states, 0))
-    store3(torque, 0, feedback_torque(law, E, load3(states, 3)))
+def command(law, body, states, torque):
+    """Write the torque (1, 3) at ``states`` (9, 3): rows C, Pi, V, omega, tau."""
+    E, Pi = mat_t_mat(load9_rows(states, 4), load9_rows(states, 0)), load3(states, 3)
+    omega, tau = load3(states, 7), load3(states, 8)
+    if is_moving(omega, tau):
+        store3(torque, 0, tracking_torque(law, body, E, Pi, omega, tau))
+    else:
+        store3(torque, 0, feedback_torque(law, E, Pi))
 
 
 @kernel

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import advance, solvable
 from spacecraft_gnc.governors._zone_kernels import zone_margin
@@ -81,18 +83,20 @@ def fly(
     `examine` says of it and its step.
     """
     n, is_warm = zones.shape[0], False
+    inputs = np.zeros((9, 3))  # of `solve`: a constant reference has no rate and no torque
     kept[0], kept[2] = 0, 0
     for k in range(n_steps + 1):
         found = examine(rows, body, h, zones, limits, metric, reserve, worst)
         if found != ONWARD or k == n_steps:
             return found, k
+        inputs[:7] = rows
         status = -1
         for attempt in range(2):  # where a warm start fails, once more from zero
             if attempt == 1 and (status == CONVERGED or not is_warm):
                 break
             start = warm[1] if is_warm and attempt == 0 else warm[0]
             status = solve(
-                rows, start, R, Pi, u, lam, margins, arena, kept,
+                inputs, start, R, Pi, u, lam, margins, arena, kept,
                 single, rule, damping, estimated, tolerance, max_steps,
             )[0]  # fmt: skip
         if status != CONVERGED:

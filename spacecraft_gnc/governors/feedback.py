@@ -6,6 +6,10 @@ C is the attitude, V the reference, Pi the momentum. In continuous time dW/dt = 
 for the body rate Omega, so E = I is approached from all but a set of measure zero; at the other
 equilibria E is half a turn about an eigenvector of A.
 
+A reference that turns at omega with the torque tau, both in its own frame, is tracked by
+
+    T = E^T tau - K (Pi - J E^T omega) - e.
+
 Source: Kalabic et al. 2014, (8)-(10), which print one letter for the matrix E and the vector e.
 """
 
@@ -26,6 +30,7 @@ from spacecraft_gnc.types import (
     Array,
     ArrayLike,
     Matrix3,
+    Reference,
     State,
     Vector3,
     as_inertia,
@@ -43,7 +48,7 @@ BANDWIDTH = 0.05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AttitudeFeedback:
-    """T = -K Pi - e, scaled down to the torque limit where it exceeds it.
+    """T = -K Pi - e, or that of a moving reference, scaled down to the torque limit.
 
     Attributes
     ----------
@@ -119,10 +124,15 @@ class AttitudeFeedback:
         eigenvalues = np.linalg.eigvalsh(np.asarray(self.attitude_gain))
         return 2.0 * float(eigenvalues[0] + eigenvalues[1])
 
-    def torque(self, state: State, reference: Matrix3) -> Vector3:
-        """Return the body torque (3,) [N m] at ``state`` towards ``reference`` (3, 3)."""
-        torque = np.empty((1, 3))
-        kernels.command(self.law, _packed(state, reference), torque)
+    def torque(self, state: State, reference: Matrix3 | Reference) -> Vector3:
+        """Return the body torque (3,) [N m] at ``state`` towards a (3, 3) attitude or Reference."""
+        torque, rows = np.empty((1, 3)), np.zeros((9, 3))
+        if isinstance(reference, Reference):
+            reference, rate, feedforward = reference
+            rows[7] = as_shaped("reference.angular_velocity", rate, (3,))
+            rows[8] = as_shaped("reference.torque", feedforward, (3,))
+        rows[:7] = _packed(state, reference)
+        kernels.command(self.law, self.body, rows, torque)
         return np.asarray(torque[0])
 
     def lyapunov(self, state: State, reference: Matrix3) -> float:

@@ -27,7 +27,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     store9,
     sub,
 )
-from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, M_U, MU0, H, data9
+from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, M_U, MU0, H
 from spacecraft_gnc.ocp._stage_kernels import (
     A_AT,
     M_AT,
@@ -39,6 +39,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
 )
 from spacecraft_gnc.ocp._sweep_kernels import store_stage, sweep_costates
 from spacecraft_gnc.ocp._terminal_kernels import terminal_hessian
+from spacecraft_gnc.ocp._track_kernels import control_reference, stage_weighed
 
 
 @kernel
@@ -89,6 +90,7 @@ def adjoint_gradient(data, zones, track, R, Pi, lam, W, gradient):
         sigma = _sigma(data, W, k)
         for i in range(gradient.shape[1]):
             pull = (data[D_U + i] + sigma) * W[k, Z_AT + i]
+            pull -= data[D_U + i] * control_reference(track, gradient.shape[1], i)
             gradient[k, i] = 2.0 * h * (pull - dot(_row(data, i), load3(lam, k, 3)))
 
 
@@ -115,7 +117,6 @@ def reduced_hessian(body, data, zones, track, R, Pi, lam, W, states, hessian):
     h, mu0 = data[H], data[MU0]
     Jd = body_nonstandard_inertia(body)
     V11, V12, V21, V22 = terminal_hessian(data, track, R, Pi)
-    B = data9(track, 0)
     for column in range(m * N):
         k0, i0 = column // m, column % m
         _deviation(W, k0, scale(h, _row(data, i0)), states)
@@ -128,7 +129,7 @@ def reduced_hessian(body, data, zones, track, R, Pi, lam, W, states, hessian):
             if k > k0:
                 F, M, A = load9_flat(W, k), load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
                 l1, l2 = load3(lam, k), load3(lam, k, 3)
-                G = attitude_hessian(h, B, zones, load9(R, k))
+                G = attitude_hessian(h, stage_weighed(track, k), zones, load9(R, k))
                 Z = stage_curvature(data, Jd, W, k, l1, l2)
                 eta, d_Pi = load3(states, k), load3(states, k, 3)
                 swept = add(mat_t_vec(A, d_l2), mat_t_vec(M, d_l1))

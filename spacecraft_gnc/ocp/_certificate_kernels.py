@@ -8,6 +8,7 @@ from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, load3
 from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, M_U, MADE_OF, MADE_OF_PI, MU0
 from spacecraft_gnc.ocp._stage_kernels import SIGMA_AT, Z_AT
+from spacecraft_gnc.ocp._track_kernels import control_reference, momentum_reference
 
 ROUNDING = 2.0**-52
 
@@ -23,27 +24,30 @@ def largest_row(rows, column):
 
 
 @kernel
-def rounding_of(data, Pi):
+def rounding_of(data, track, Pi):
     """What rounding may leave of the conditions, by the size of the terms that lam2 adds up."""
     N = Pi.shape[0] - 1
-    first, last = load3(Pi, 0), load3(Pi, N)
-    momentum = math.sqrt(dot(first, first) + dot(last, last))
+    first, last, Pi_ref = load3(Pi, 0), load3(Pi, N), momentum_reference(track)
+    momentum = math.sqrt(dot(first, first) + dot(last, last) + dot(Pi_ref, Pi_ref))
     return ROUNDING * N * (data[MADE_OF] + data[MADE_OF_PI] * momentum)
 
 
 @kernel
-def is_stationary(data, lam, W, left):
+def is_stationary(data, track, lam, W, left):
     """Whether the torques of W make the cost stationary but for ``left`` of the multipliers.
 
     The gradient is formed anew, from the torques alone: (S3 + 2 mu0 max(0, |u|^2 - alpha)) u minus
-    B^T lam2. Rounding of |u|^2 enters it times 2 mu0; a hard limit is held to that rounding.
+    S3 u_ref and B^T lam2. Rounding of |u|^2 enters it times 2 mu0; a hard limit is held to that
+    rounding.
     """
     m, alpha, mu0 = int(data[M_U]), data[ALPHA], data[MU0]
-    hard, gains = math.isinf(mu0), 0.0
+    hard, gains, fed = math.isinf(mu0), 0.0, 0.0
     for i in range(m):
-        g = D_U + m + 3 * i
+        g, pull = D_U + m + 3 * i, data[D_U + i] * control_reference(track, m, i)
+        fed += pull * pull
         gains += data[g] * data[g] + data[g + 1] * data[g + 1] + data[g + 2] * data[g + 2]
     bound = math.sqrt(gains) * (2.0 * left + 32.0 * ROUNDING * largest_row(lam, 3))
+    bound += 32.0 * ROUNDING * math.sqrt(fed)
     for k in range(lam.shape[0]):
         l2, zz, ee, sigma, allowed = load3(lam, k, 3), 0.0, 0.0, 0.0, 0.0
         for i in range(m):
@@ -58,7 +62,9 @@ def is_stationary(data, lam, W, left):
         for i in range(m):
             g = D_U + m + 3 * i
             pull = data[g] * l2[0] + data[g + 1] * l2[1] + data[g + 2] * l2[2]
-            e = (data[D_U + i] + sigma) * W[k, Z_AT + i] - pull
+            e = (data[D_U + i] + sigma) * W[k, Z_AT + i]
+            e -= data[D_U + i] * control_reference(track, m, i)
+            e -= pull
             ee += e * e
         if not ee <= (bound + allowed) * (bound + allowed):
             return False

@@ -2,7 +2,7 @@
 
 S = (tr(Q) I - Q)/2 turns |Q^(1/2) hat(a)|_F^2 / 2 into a . S a. The m controls are counted in the
 eigenvectors V of their weight S3 = V diag(d) V^T: z = V^T u, and torque = G^T z with the rows of
-G = V^T B^T. From D_U on stand d (m), then G (m x 3).
+G = V^T B^T. From D_U on stand d (m), G (m x 3), and V^T B^+ (m x 3), which makes z of a torque.
 
 U_UNIT, MADE_OF and MADE_OF_PI scale tolerances only. U_UNIT is the mean eigenvalue of the torque's
 sensitivity to lam2, to which Levenberg's term is relative; MADE_OF + MADE_OF_PI |Pi| bounds the sum
@@ -21,6 +21,12 @@ from spacecraft_gnc.lie._mat3_kernels import dot, mat_vec
 H, ALPHA, MU0 = 0, 1, 2
 Q1, P1, S_Q2, S_P2, LOG_FORM, Q_RATE, P_LOG = 3, 12, 21, 30, 39, 40, 49
 U_UNIT, MADE_OF, MADE_OF_PI, M_U, D_U = 85, 86, 87, 88, 89
+
+
+@kernel
+def data3(data, i):
+    """Three consecutive numbers of ``data``."""
+    return (data[i], data[i + 1], data[i + 2])
 
 
 @kernel

@@ -15,10 +15,12 @@ from spacecraft_gnc.lie._mat3_kernels import (
     load3,
     load9,
     load9_rows,
+    mat_mat,
     mat_t_mat,
     scale,
     store3,
     store9,
+    store9_rows,
     sub,
     vee_antisymmetric,
 )
@@ -33,9 +35,11 @@ from spacecraft_gnc.ocp._solve_kernels import (
 )
 from spacecraft_gnc.ocp._stage_kernels import control, horizon_cost, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import evaluate, substitute
+from spacecraft_gnc.ocp._track_kernels import set_track
 
-LAST = 7  # row of ``inputs`` where the last state stands
-SEEN = 11  # row: the largest contraction seen since the factorization, per step; steps since then
+LAST = 9  # row of ``inputs`` where the last state stands
+SEEN = 13  # row: the largest contraction seen since the factorization, per step; steps since then
+LAST_REFERENCE = 14  # row where the last reference attitude stands
 # What is claimed beyond the geometric series; docs/solver.md has what was measured.
 SAFETY = 2.0  # of the bound, for a contraction seen once
 CAUTION = 4.0  # of a contraction that was seen on earlier steps and not on this one
@@ -70,14 +74,14 @@ def _cut(data, u, W):
 
 
 @kernel
-def _fill_torques(data, guess, u, W):
+def _fill_torques(data, track, guess, u, W):
     """Fill the torques u, and the controls in W, that follow from the multipliers by (38)."""
     for k in range(u.shape[0]):
-        store3(u, k, control(data, load3(guess, k), W, k)[0])
+        store3(u, k, control(data, track, load3(guess, k), W, k)[0])
 
 
 @kernel
-def _torque_change(data, guess, step, u, W):
+def _torque_change(data, track, guess, step, u, W):
     """Euclidean norm, over all stages, of how far ``step`` moves the torques u of the guess.
 
     By (38) itself, not by its derivative: a stage at the border of its limit counts in full.
@@ -85,7 +89,7 @@ def _torque_change(data, guess, step, u, W):
     """
     total = 0.0
     for k in range(u.shape[0]):
-        moved, _ = control(data, add(load3(guess, k), load3(step, k)), W, k)
+        moved, _ = control(data, track, add(load3(guess, k), load3(step, k)), W, k)
         d = sub(moved, load3(u, k))
         total += dot(d, d)
     return math.sqrt(total)
@@ -126,7 +130,7 @@ def _correct_until(allowed, problem, horizon, work, pattern, seen):
         if status != 0 or acts != pattern or not math.isfinite(norm):
             return math.inf, norm
         substitute(data[H], fac, resid, zero, zero, 0.0, step)
-        change = _torque_change(data, trial, step, u, W)
+        change = _torque_change(data, track, trial, step, u, W)
         if correction == 0:
             bound = error_bound(change, CAUTION * seen[0] * seen[1])
             if bound <= allowed:
@@ -140,12 +144,13 @@ def _correct_until(allowed, problem, horizon, work, pattern, seen):
 
 
 @kernel
-def correct(inputs, R, Pi, u, lam, margins, allowed, arena, kept):
-    """Carry the last optimum over to the state in ``inputs`` (12, 3).
+def correct(inputs, moving, R, Pi, u, lam, margins, allowed, arena, kept):
+    """Carry the last optimum over to the state and reference in ``inputs`` (17, 3).
 
-    Its rows are R, Pi, R_ref, the last R and Pi, and what was seen (`SEEN`). One solve with the
-    kept factorization predicts the multipliers, and one or two more correct them; the last
-    correction is not made, but shows how far the torques would move once more.
+    Its rows are those of `solve`, the last R and Pi, what was seen (`SEEN`) and the last R_ref. One
+    solve with the kept factorization predicts the multipliers, and one or two more correct them;
+    the last correction is not made, but shows how far the torques would move once more. Where the
+    reference is ``moving``, the last optimum is turned along with it first.
 
     Returns success, the bound of the error of all torques, and the numbers of `solve`.
     """
@@ -153,11 +158,18 @@ def correct(inputs, R, Pi, u, lam, margins, allowed, arena, kept):
     N = u.shape[0]
     R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
     problem, W, work, _ = carve(arena, N, margins.shape[0])
-    _, data, zones, track = problem
+    body, data, zones, track = problem
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not is_momentum(Pi_0):
         return False, nan, nan, nan, nan, nan, nan
-    eta = small_rotation_vector(mat_t_mat(load9_rows(inputs, LAST), R_0))
+    last = load9_rows(inputs, LAST)
+    if moving:
+        omega, tau = load3(inputs, 7), load3(inputs, 8)
+        if not is_rotation(R_ref) or not is_momentum(omega) or not is_momentum(tau):
+            return False, nan, nan, nan, nan, nan, nan
+        set_track(body, data, R_ref, omega, tau, track)
+        last = mat_mat(R_ref, mat_t_mat(load9_rows(inputs, LAST_REFERENCE), last))
+    eta = small_rotation_vector(mat_t_mat(last, R_0))
     substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
@@ -170,8 +182,10 @@ def correct(inputs, R, Pi, u, lam, margins, allowed, arena, kept):
     move(trial, 0.0, trial, guess)
     for i in range(4):
         store3(inputs, LAST + i, load3(inputs, i))
+    if moving:
+        store9_rows(inputs, LAST_REFERENCE, R_ref)
     repeat_last(lam)
-    _fill_torques(data, guess, u, W)  # and the controls in W, which the cost needs
+    _fill_torques(data, track, guess, u, W)  # and the controls in W, which the cost needs
     cost = horizon_cost(data, zones, track, R, Pi, W)
     largest, error, travel = summarise(zones, R_ref, R, W, margins)
     _cut(data, u, W)

@@ -219,7 +219,7 @@ def _leave_saddle(problem, horizon, work, stage):
 @kernel
 def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, max_steps):
     """Iterate from the guess in ``work``; returns status, steps, residual, curvature."""
-    data, fac = problem[1], work[4]
+    data, track, fac = problem[1], problem[3], work[4]
     h = data[H]
     status, norm, pattern = _at(problem, horizon, work[0], work[2])
     if status != CONVERGED:
@@ -233,7 +233,7 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
             return NOT_FINITE, steps, norm, math.nan
         small = norm <= tolerance * largest_row(lam, 3)
         # The bound on rounding is far above it, so it counts where steps no longer help only.
-        rounded = steps > 0 and stagnant and norm <= rounding_of(data, Pi)
+        rounded = steps > 0 and stagnant and norm <= rounding_of(data, track, Pi)
         if status == ARRIVED or small or rounded:
             # This solve's last linearisation certifies, unless other limits act since.
             stage = -1
@@ -242,8 +242,8 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
                 kept[0], kept[1] = 1, pattern
             pivot = smallest_pivot(h, fac)
             if pivot > 0.0:
-                left = max(norm, rounding_of(data, Pi))
-                done = CONVERGED if is_stationary(data, lam, W, left) else LINE_SEARCH_FAILED
+                left = max(norm, rounding_of(data, track, Pi))
+                done = CONVERGED if is_stationary(data, track, lam, W, left) else LINE_SEARCH_FAILED
                 return done, steps, norm, pivot
             kept[0] = 0
             if stage < 0 or rule != BACKTRACKING or saddles == SADDLES or steps >= max_steps:
@@ -269,7 +269,7 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
             status, norm, pattern, used, rho = _searched_step(
                 problem, horizon, work, rho, estimated, norm, local, stagnant
             )
-        if status == LINE_SEARCH_FAILED and norm <= rounding_of(data, Pi):
+        if status == LINE_SEARCH_FAILED and norm <= rounding_of(data, track, Pi):
             status, rho, used = ARRIVED, 0.0, math.nan
         if status == ARRIVED:
             pattern = before

@@ -1,7 +1,7 @@
 """Kernels of indirect single shooting on the conditions (31)-(45) of Gupta 2015; see `shooting`.
 
 Arrays of one horizon: R (N+1,3,3), Pi (N+1,3), u (N,3) torques, lam (N,6) = (lam1, lam2), and the
-stages' work W of `_stage_kernels`. ``track`` (27,) holds Q1 R_ref, P1 R_ref, R_ref.
+stages' work W of `_stage_kernels`, the reference ``track`` of `_track_kernels`.
 """
 
 from __future__ import annotations
@@ -63,6 +63,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
     costate_curvature,
 )
 from spacecraft_gnc.ocp._sweep_kernels import store_stage
+from spacecraft_gnc.ocp._track_kernels import TERMINAL_AT, momentum_reference, stage_weighed
 
 SMALLEST_STEP = 2.0**-24
 
@@ -74,7 +75,7 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
     h = data[H]
     Jd = body_nonstandard_inertia(body)
     S2 = data9(data, S_Q2)
-    B = data9(track, 0)
+    Pi_ref = momentum_reference(track)
     R_k, Pi_k = load9(R, 0), load3(Pi, 0)
     l1, l2 = load3(lam, 0), load3(lam, 0, 3)
     zero = (0.0, 0.0, 0.0)
@@ -86,23 +87,23 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
         store_stage(h, Jd, W, k, q0, q, p)
         if k > 0:
             F, M = load9_flat(W, k), load9_flat(W, k, M_AT)
-            l1 = mat_t_vec(F, add(l1, attitude_gradient(h, B, zones, R_k)[0]))
+            l1 = mat_t_vec(F, add(l1, attitude_gradient(h, stage_weighed(track, k), zones, R_k)[0]))
             C_inverse, det = inverse(transpose(load9_flat(W, k, A_AT)))  # C = F - M^T hat(p) = A^T
             if det == 0.0:
                 return SINGULAR, zero, zero
-            rhs = sub(add(l2, scale(h, mat_vec(S2, Pi_k))), mat_t_vec(M, l1))
+            rhs = sub(add(l2, scale(h, mat_vec(S2, sub(Pi_k, Pi_ref)))), mat_t_vec(M, l1))
             l2 = mat_vec(C_inverse, rhs)
             store3(lam, k, l1)
             store3(lam, k, l2, 3)
-        u_k, sigma = control(data, l2, W, k)
+        u_k, sigma = control(data, track, l2, W, k)
         W[k, SIGMA_AT] = sigma
         store3(u, k, u_k)
         R_k = rotate_rows(q0, q, R_k)
         Pi_k = add(p, scale(h, u_k))
         store9(R, k + 1, R_k)
         store3(Pi, k + 1, Pi_k)
-    E1 = sub(l1, vee_antisymmetric(mat_t_mat(R_k, data9(track, 9))))
-    E2 = add(l2, mat_vec(data9(data, S_P2), Pi_k))
+    E1 = sub(l1, vee_antisymmetric(mat_t_mat(R_k, data9(track, TERMINAL_AT))))
+    E2 = add(l2, mat_vec(data9(data, S_P2), sub(Pi_k, Pi_ref)))
     return CONVERGED, E1, E2
 
 
@@ -137,7 +138,7 @@ def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimate
         l1, l2 = load3(lam, k), load3(lam, k, 3)
         A = load9_flat(W, k, A_AT)
         C_inverse, _ = inverse(transpose(A))
-        G = attitude_hessian(h, data9(track, 0), zones, load9(R, k))
+        G = attitude_hessian(h, stage_weighed(track, k), zones, load9(R, k))
         D = hat_mat(l1, M)
         Z = costate_curvature(h, S2, Jd, F, M, A, l1, l2, p)
         hU = mat_scale(h, control_sensitivity(data, W, k, estimated))
@@ -152,7 +153,7 @@ def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimate
             store3(T, j, d_Pi, 3)
             store3(T, j, d_l1, 6)
             store3(T, j, d_l2, 9)
-    bend = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, 9))))
+    bend = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, TERMINAL_AT))))
     SP = data9(data, S_P2)
     for j in range(6):
         e1 = add(load3(T, j, 6), mat_vec(bend, load3(T, j)))
@@ -266,7 +267,7 @@ def newton_shooting(problem, horizon, T, E, kept, rule, damping, estimated, tole
     status, E1, E2, norm = _shoot(problem, horizon)
     last_norm = math.inf
     for steps in range(max_steps + 1):
-        rounded = norm > CONTRACTION * last_norm and norm <= rounding_of(data, Pi)
+        rounded = norm > CONTRACTION * last_norm and norm <= rounding_of(data, track, Pi)
         if rounded and status in (CONVERGED, LINE_SEARCH_FAILED):
             return CONVERGED, steps, norm
         if status != CONVERGED:

@@ -47,22 +47,22 @@ from spacecraft_gnc.ocp._sweep_kernels import (
     smallest_pivot,
     sweep_residual,
 )
-from spacecraft_gnc.ocp._terminal_kernels import set_track
+from spacecraft_gnc.ocp._track_kernels import STAGE_SIZE, STAGES_AT, set_track, track_size
 from spacecraft_gnc.types import Array
 
 BAD_STATE, BAD_REFERENCE, BAD_GUESS = -1, -2, -4
 ROTATION_ERROR_SQUARED = 1e-12  # square of types.ROTATION_TOLERANCE
 _VECTORS = 12  # columns of guess, trial, resid, step
 _SINGLE = 108  # numbers of the Jacobian (6, 6) and its carrier (6, 12) of single shooting
-_TRACK = 27
 FORWARD_LOSS = 100.0  # of the tolerance, between costates run forward and backward
-_INPUTS = 21  # numbers of the state and reference that a batch hands to `solve`
+_INPUTS = 27  # numbers of the state and reference that a batch hands to `solve`
 
 
 def make_arena(body: Array, data: Array, zones: Array, n: int) -> Array:
     """Return the arena for n steps, with the problem's constants in place."""
     m = int(data[M_U])
-    room = _TRACK + _SINGLE + n * (work_size(m) + FACTOR_SIZE + _VECTORS) + _INPUTS
+    stages = n * (work_size(m) + FACTOR_SIZE + _VECTORS)
+    room = track_size(n, m) + _SINGLE + stages + _INPUTS
     return np.concatenate([body, data, zones.ravel(), np.zeros(room)])
 
 
@@ -79,7 +79,7 @@ def is_rotation(R):
 
 @kernel
 def is_momentum(Pi):
-    """Whether three numbers are finite; how large they may be, the integrator says."""
+    """Whether three numbers are finite; how large a momentum may be, the integrator says."""
     return 0.0 * Pi[0] + 0.0 * Pi[1] + 0.0 * Pi[2] == 0.0
 
 
@@ -151,12 +151,13 @@ def leave_no_plan(R, Pi, u, lam, margins):
 def carve(arena, N, n_zones):
     """Cut the arena into (body, data, zones, track), W, (guess, trial, resid, step, fac), rest."""
     m = int(arena[BODY_SIZE + M_U])
-    a = BODY_SIZE + D_U + 4 * m
+    a = BODY_SIZE + D_U + 7 * m
     body, data = arena[:BODY_SIZE], arena[BODY_SIZE:a]
     b = a + ZONE_SIZE * n_zones
     zones = arena[a:b].reshape((n_zones, ZONE_SIZE))
-    problem = (body, data, zones, arena[b : b + _TRACK])
-    a, b = b + _TRACK, b + _TRACK + N * (Z_AT + m)
+    a = b + STAGES_AT + STAGE_SIZE * N + m
+    problem = (body, data, zones, arena[b:a])
+    b = a + N * (Z_AT + m)
     W, n = arena[a:b].reshape((N, Z_AT + m)), 3 * N
     guess, trial = arena[b : b + n].reshape((N, 3)), arena[b + n : b + 2 * n].reshape((N, 3))
     b += 2 * n
@@ -196,8 +197,8 @@ def _shoot(problem, horizon, work, rest, kept, warm, options):
     for k in range(lam.shape[0]):
         store3(guess, k, load3(lam, k, 3))
     _, norm = sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W)
-    left = max(FORWARD_LOSS * tolerance * largest_row(lam, 3), rounding_of(data, Pi))
-    if norm > left or not is_stationary(data, lam, W, left):
+    left = max(FORWARD_LOSS * tolerance * largest_row(lam, 3), rounding_of(data, track, Pi))
+    if norm > left or not is_stationary(data, track, lam, W, left):
         return LINE_SEARCH_FAILED, steps, norm, math.nan
     factorize(body, data, zones, track, R, Pi, lam, W, fac, 0.0, False)
     pivot = smallest_pivot(data[0], fac)
@@ -209,7 +210,9 @@ def solve(
     inputs, warm, R, Pi, u, lam, margins, arena, kept,
     single, rule, damping, estimated, tolerance, max_steps,
 ):  # fmt: skip
-    """Solve from ``inputs`` (7, 3), rows R, Pi, R_ref; fills R, Pi, u, lam and the zone margins.
+    """Solve from ``inputs`` (9, 3): rows R, Pi, R_ref, omega_ref, tau_ref.
+
+    Fills R, Pi, u, lam and the zone margins.
 
     ``lam`` has N + 1 rows, the last of which repeats the one before it.
 
@@ -219,14 +222,15 @@ def solve(
     N = u.shape[0]
     nan = math.nan
     R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
+    omega, tau = load3(inputs, 7), load3(inputs, 8)
     if not is_rotation(R_0) or not is_momentum(Pi_0):
         return BAD_STATE, 0, nan, nan, nan, nan, nan, nan
-    if not is_rotation(R_ref):
+    if not is_rotation(R_ref) or not is_momentum(omega) or not is_momentum(tau):
         return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
     if not _is_finite(warm):
         return BAD_GUESS, 0, nan, nan, nan, nan, nan, nan
     problem, W, work, rest = carve(arena, N, margins.shape[0])
-    set_track(problem[1], R_ref, problem[3])
+    set_track(problem[0], problem[1], R_ref, omega, tau, problem[3])
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
     horizon = (R, Pi, u, lam[:N], W)
@@ -252,19 +256,21 @@ def solve(
 
 @kernel
 def solve_batch(
-    states, R_ref, warm, R, Pi, u, lam, margins, arena, kept,
+    states, reference, warm, R, Pi, u, lam, margins, arena, kept,
     single, rule, damping, estimated, tolerance, max_steps, numbers,
 ):  # fmt: skip
     """Solve from every row of ``states`` (n, 4, 3), R over Pi; ``numbers`` (n, 8) as `solve`.
 
+    ``reference`` (5, 3) stands in the last rows of its inputs.
+
     ``warm`` (1 or n, N, 6) are the multipliers to start from, of which the last serves the rest.
     ``inputs`` of `solve` is made in the last numbers of the arena.
     """
-    inputs = arena[arena.shape[0] - _INPUTS :].reshape((7, 3))
+    inputs = arena[arena.shape[0] - _INPUTS :].reshape((9, 3))
     for j in range(states.shape[0]):
         kept[0], kept[2] = 0, 0  # a chord, too, starts each row by itself
         inputs[:4] = states[j]
-        inputs[4:] = R_ref
+        inputs[4:] = reference
         n = numbers[j]
         n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7] = solve(
             inputs, warm[min(j, warm.shape[0] - 1)], R[j], Pi[j], u[j], lam[j], margins[j],

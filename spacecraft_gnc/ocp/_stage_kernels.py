@@ -49,6 +49,11 @@ from spacecraft_gnc.ocp._terminal_kernels import (
     stage_attitude_cost,
     terminal_cost,
 )
+from spacecraft_gnc.ocp._track_kernels import (
+    control_reference,
+    momentum_reference,
+    stage_reference,
+)
 
 # Offsets into a row of the work array W: F, M, A = F^T + hat(p) M, p = F^T Pi, sigma, then z.
 M_AT, A_AT, P_AT, SIGMA_AT, Z_AT = 9, 18, 27, 30, 31
@@ -93,8 +98,8 @@ def _secular(data, W, k, sigma):
 
 
 @kernel
-def control(data, lam2, W, k):
-    """Solve (38), (S3 + sigma I) u = B^T lam2 with sigma = 2 mu0 max(0, |u|^2 - alpha).
+def control(data, track, lam2, W, k):
+    """Solve (38), (S3 + sigma I) u = B^T lam2 + S3 u_ref, sigma = 2 mu0 max(0, |u|^2 - alpha).
 
     The linear equation is tried first, as Bagherzadeh et al. (41) do. Leaves z = V^T u in row k of
     W; returns the torque B u and sigma.
@@ -105,6 +110,7 @@ def control(data, lam2, W, k):
     for i in range(m):
         d, g = data[D_U + i], D_U + m + 3 * i
         y = data[g] * lam2[0] + data[g + 1] * lam2[1] + data[g + 2] * lam2[2]
+        y -= d * (0.0 - control_reference(track, m, i))  # a sum with +0 would turn -0 into +0
         W[k, Z_AT + i] = y
         yy += y * y
         zz += (y / d) * (y / d)
@@ -248,7 +254,7 @@ def squared_control(W, k):
 
 
 @kernel
-def stage_cost(data, zones, R_ref, R_k, Pi_k, W, k):
+def stage_cost(data, zones, track, R_k, Pi_k, W, k):
     """Cost of stage k, (27) and penalties h mu max(0, H)^2, with z and sigma from row k of W."""
     h, alpha, mu0 = data[H], data[ALPHA], data[MU0]
     m = int(data[M_U])
@@ -256,8 +262,10 @@ def stage_cost(data, zones, R_ref, R_k, Pi_k, W, k):
     for i in range(m):
         z = W[k, Z_AT + i]
         zz += z * z
+        z -= control_reference(track, m, i)
         effort += data[D_U + i] * z * z
-    state = stage_attitude_cost(data, R_ref, R_k) + quadratic(data9(data, S_Q2), Pi_k)
+    state = stage_attitude_cost(data, stage_reference(track, k), R_k)
+    state += quadratic(data9(data, S_Q2), sub(Pi_k, momentum_reference(track)))
     total = h * (state + effort) + zone_cost(h, zones, R_k)
     if data[LOG_FORM] > 0.0:
         total += rate_cost(data, load9_flat(W, k))
@@ -274,8 +282,7 @@ def stage_cost(data, zones, R_ref, R_k, Pi_k, W, k):
 def horizon_cost(data, zones, track, R, Pi, W):
     """Cost (27) + (28) + penalties of a propagated horizon."""
     N = W.shape[0]
-    R_ref = data9(track, 18)
     total = terminal_cost(data, track, R, Pi)
     for k in range(N):
-        total += stage_cost(data, zones, R_ref, load9(R, k), load3(Pi, k), W, k)
+        total += stage_cost(data, zones, track, load9(R, k), load3(Pi, k), W, k)
     return total

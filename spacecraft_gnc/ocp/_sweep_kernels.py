@@ -61,6 +61,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
     stage_curvature,
 )
 from spacecraft_gnc.ocp._terminal_kernels import rate_gradient, terminal_costate, terminal_hessian
+from spacecraft_gnc.ocp._track_kernels import momentum_reference, stage_weighed
 
 SOLVED, UNSOLVABLE_STEP = 0, 3  # equal to ocp.Status
 U_AT, SI_AT, K1_AT, K2_AT, L1_AT, L2_AT, F_AT, MF_AT, AF_AT, FACTOR_SIZE = range(0, 90, 9)
@@ -84,7 +85,7 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
     Returns a hash of the zones that act and their stages, zero for none.
     """
     N = W.shape[0]
-    h, S2, B = data[H], data9(data, S_Q2), data9(track, 0)
+    h, S2, Pi_ref = data[H], data9(data, S_Q2), momentum_reference(track)
     l1, l2 = terminal_costate(data, track, R, Pi)
     rated = data[LOG_FORM] > 0.0
     pattern = 0
@@ -92,13 +93,13 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
         store3(lam, k, l1)
         store3(lam, k, l2, 3)
         if k > 0:
-            g, active = attitude_gradient(h, B, zones, load9(R, k))
+            g, active = attitude_gradient(h, stage_weighed(track, k), zones, load9(R, k))
             if active != 0:
                 pattern = hashed(hashed(pattern, k), active)
             M, A = load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
             pushed = sub(l1, rate_gradient(data, load9_flat(W, k))) if rated else l1
             swept = add(mat_t_vec(A, l2), mat_t_vec(M, pushed))
-            l2 = sub(swept, scale(h, mat_vec(S2, load3(Pi, k))))
+            l2 = sub(swept, scale(h, mat_vec(S2, sub(load3(Pi, k), Pi_ref))))
             l1 = sub(mat_vec(load9_flat(W, k), l1), g)
     return pattern
 
@@ -130,7 +131,7 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
             return UNSOLVABLE_STEP, math.inf, 0
         p = rotate_back(q0, q, Pi_k)
         store_stage(h, Jd, W, k, q0, q, p)
-        u_k, sigma = control(data, load3(guess, k), W, k)
+        u_k, sigma = control(data, track, load3(guess, k), W, k)
         W[k, SIGMA_AT] = sigma
         if sigma > 0.0:
             pattern = hashed(pattern, k + 1)
@@ -160,7 +161,7 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
     ``rho`` >= 0 is Levenberg's term: U becomes U (I + rho U)^-1.
     """
     h, Jd = data[H], body_nonstandard_inertia(body)
-    B, N = data9(track, 0), W.shape[0]
+    N = W.shape[0]
     V11, V12, V21, V22 = terminal_hessian(data, track, R, Pi)
     indefinite = -1
     for k in range(N - 1, -1, -1):
@@ -192,7 +193,8 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
             X21, X22 = mat_sub(Y21, mat_mat(L2, K1)), mat_sub(Y22, mat_mat(L2, K2))
             l1, l2 = load3(lam, k), load3(lam, k, 3)
             Z = stage_curvature(data, Jd, W, k, l1, l2)
-            V11 = mat_add(mat_mat(F, X11), attitude_hessian(h, B, zones, load9(R, k)))
+            G = attitude_hessian(h, stage_weighed(track, k), zones, load9(R, k))
+            V11 = mat_add(mat_mat(F, X11), G)
             V12 = mat_mat(F, mat_add(X12, hat_mat(l1, M)))
             V21 = mat_add(mat_t_mat(M, X11), mat_t_mat(A, X21))
             V22 = mat_add(mat_add(mat_t_mat(M, X12), mat_t_mat(A, X22)), Z)

@@ -27,6 +27,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     mat_vec,
     outer,
     scale,
+    sub,
     trace_minus,
     transpose,
     vee_antisymmetric,
@@ -41,19 +42,10 @@ from spacecraft_gnc.ocp._data_kernels import (
     log_weight,
     quadratic,
 )
+from spacecraft_gnc.ocp._track_kernels import END_AT, TERMINAL_AT, momentum_reference
 
 HALF_TURN = 1e-12  # |w| up to which an attitude counts as half a turn away: its side is rounding
 SMALL_SQUARE = 0.05  # theta^2 below which the coefficients of the logarithm are summed as series
-
-
-@kernel
-def set_track(data, R_ref, track):
-    """Fill ``track`` (27,): Q1 R_ref (Kalabic: R_ref Q1), P1 R_ref and R_ref."""
-    Q = data9(data, Q1)
-    stage = mat_mat(R_ref, Q) if data[LOG_FORM] > 0.0 else mat_mat(Q, R_ref)
-    terminal = mat_mat(data9(data, P1), R_ref)
-    for i in range(9):
-        track[i], track[9 + i], track[18 + i] = stage[i], terminal[i], R_ref[i]
 
 
 @kernel
@@ -183,9 +175,10 @@ def terminal_costate(data, track, R, Pi):
     N = R.shape[0] - 1
     R_N, Pi_N = load9(R, N), load3(Pi, N)
     if data[LOG_FORM] == 0.0:
-        l1 = vee_antisymmetric(mat_t_mat(R_N, data9(track, 9)))
-        return l1, scale(-1.0, mat_vec(data9(data, S_P2), Pi_N))
-    Z = continuous_log(data9(track, 18), R)
+        l1 = vee_antisymmetric(mat_t_mat(R_N, data9(track, TERMINAL_AT)))
+        off = sub(Pi_N, momentum_reference(track))
+        return l1, scale(-1.0, mat_vec(data9(data, S_P2), off))
+    Z = continuous_log(data9(track, END_AT), R)
     y = add(mat_vec(log_weight(data, 0, 0), Z), mat_vec(log_weight(data, 0, 3), Pi_N))
     l2 = add(mat_vec(log_weight(data, 3, 0), Z), mat_vec(log_weight(data, 3, 3), Pi_N))
     return scale(-0.5, mat_t_vec(log_derivative(Z), y)), scale(-0.5, l2)
@@ -197,9 +190,9 @@ def terminal_hessian(data, track, R, Pi):
     N = R.shape[0] - 1
     zero = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if data[LOG_FORM] == 0.0:
-        V11 = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, 9))))
+        V11 = mat_scale(0.5, trace_minus(mat_t_mat(load9(R, N), data9(track, TERMINAL_AT))))
         return V11, zero, zero, data9(data, S_P2)
-    Z, Pi_N = continuous_log(data9(track, 18), R), load3(Pi, N)
+    Z, Pi_N = continuous_log(data9(track, END_AT), R), load3(Pi, N)
     P11, P12 = log_weight(data, 0, 0), log_weight(data, 0, 3)
     L = log_derivative(Z)
     y = add(mat_vec(P11, Z), mat_vec(P12, Pi_N))
@@ -226,6 +219,7 @@ def terminal_cost(data, track, R, Pi):
     """Terminal cost at the end of a rollout."""
     N = R.shape[0] - 1
     if data[LOG_FORM] > 0.0:
-        return 0.5 * log_level(data, continuous_log(data9(track, 18), R), load3(Pi, N))
-    attitude = attitude_cost(data9(data, P1), data9(track, 18), load9(R, N))
-    return attitude + quadratic(data9(data, S_P2), load3(Pi, N))
+        return 0.5 * log_level(data, continuous_log(data9(track, END_AT), R), load3(Pi, N))
+    attitude = attitude_cost(data9(data, P1), data9(track, END_AT), load9(R, N))
+    off = sub(load3(Pi, N), momentum_reference(track))
+    return attitude + quadratic(data9(data, S_P2), off)

@@ -9,13 +9,13 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.types import Array, Reference
 
 
 def assemble(
     ocp: AttitudeOcp,
     horizon: tuple[Array, Array, Array, Array],
-    reference: Matrix3,
+    reference: Reference,
     outcome: tuple[Status, int, float, float],
     largest_control: float,
     formulation: str,
@@ -39,18 +39,19 @@ def assemble(
         residual=residual,
         solve_time=math.nan,
         torque_margin=limit - largest_control if limit > 0.0 else math.inf,
-        reference=reference,
+        reference=np.asarray(reference.attitude),
         ocp=ocp,
         formulation=formulation,
         min_curvature=math.nan,
         zone_margins=np.array([zone.margin(attitudes).min() for zone in ocp.zones]),
-        attitude_error=lie.angle_between(reference, attitudes[0]),
+        attitude_error=lie.angle_between(reference.attitude, attitudes[0]),
         travel=lie.angle_between(attitudes[0], attitudes[-1]),
+        feedforward=np.array(reference[1:]),
     )
 
 
 def failed(
-    ocp: AttitudeOcp, state: tuple[Array, Array], reference: Matrix3, status: Status, method: str
+    ocp: AttitudeOcp, state: tuple[Array, Array], reference: Reference, status: Status, method: str
 ) -> Solution:
     """Return the `Solution` of a solve that left no plan: NaN beyond the initial state."""
     n = ocp.horizon

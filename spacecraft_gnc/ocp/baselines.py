@@ -23,9 +23,10 @@ from spacecraft_gnc.ocp._stage_kernels import Z_AT, horizon_cost, work_size
 from spacecraft_gnc.ocp.assembly import assemble, failed
 from spacecraft_gnc.ocp.linearization import linearize
 from spacecraft_gnc.ocp.problem import AttitudeOcp
+from spacecraft_gnc.ocp.reference import Tracked, as_reference, is_moving
 from spacecraft_gnc.ocp.rollout import Horizon, track_of
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
+from spacecraft_gnc.types import Array, ArrayLike, Reference, as_rotation, as_vector3
 
 # Residual, in units of the multipliers, with which a search that forward differences no longer
 # advance is done.
@@ -101,7 +102,7 @@ class SlsqpSolver:
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         warm_start: Array | None = None,
     ) -> Solution:
         """Solve from a state; arguments and failures as `ShootingSolver.solve`.
@@ -113,11 +114,13 @@ class SlsqpSolver:
         started = perf_counter()
         ocp, shape = self.ocp, (self.ocp.horizon, self.ocp.n_controls)
         state = (as_rotation("attitude", attitude), as_vector3("momentum", momentum))
-        target = as_rotation("reference", np.eye(3) if reference is None else reference)
+        target = as_reference(reference)
         first = np.zeros(shape)
         if warm_start is not None:
             warm_start = ocp.checked_warm_start(warm_start)
             turned = (warm_start[:, 3:] @ ocp.torque_map @ ocp.control_axes) / ocp.control_weights
+            if is_moving(target):
+                turned += track_of(ocp, target)[-ocp.n_controls :]
             first = turned @ ocp.control_axes.T
 
         units = self._units
@@ -163,7 +166,7 @@ class SlsqpSolver:
         return limits
 
     def _solution(
-        self, u: Array, state: tuple[Array, Array], target: Array, status: Status,
+        self, u: Array, state: tuple[Array, Array], target: Reference, status: Status,
         iterations: int, started: float,
     ) -> Solution:  # fmt: skip
         ocp = self.ocp
@@ -219,7 +222,7 @@ class FsolveSolver:
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         warm_start: Array | None = None,
     ) -> Solution:
         """Solve from a state; arguments and failures as `ShootingSolver.solve`."""
@@ -228,7 +231,7 @@ class FsolveSolver:
         started = perf_counter()
         ocp = self.ocp
         state = (as_rotation("attitude", attitude), as_vector3("momentum", momentum))
-        target = as_rotation("reference", np.eye(3) if reference is None else reference)
+        target = as_reference(reference)
         problem = (ocp.body.packed, ocp.data, ocp.zone_rows, track_of(ocp, target))
         R, Pi, u, lam, W = self._horizon
         R[0], Pi[0] = state
@@ -248,7 +251,7 @@ class FsolveSolver:
             status = Status(code) if code != 0 else Status.NOT_FINITE
             return failed(ocp, state, target, status, self.formulation)
         norm = self._units.multiplier * float(np.linalg.norm(np.array([*E1, *E2]) / unit))
-        allowed = max(self._tolerance * largest_row(lam, 3), rounding_of(ocp.data, Pi))
+        allowed = max(self._tolerance * largest_row(lam, 3), rounding_of(ocp.data, problem[3], Pi))
         solved = bool(norm <= allowed)
         status = Status.CONVERGED if solved else Status.LINE_SEARCH_FAILED
         outcome = (status, int(found.nfev), norm, horizon_cost(*problem[1:], R, Pi, W))

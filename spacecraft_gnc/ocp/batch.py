@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.arrays import as_finite, as_rows, as_stack
 from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.ocp.reference import Tracked, as_reference
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
 if TYPE_CHECKING:
@@ -52,13 +53,13 @@ def solve_many(
     solver: ShootingSolver,
     attitudes: ArrayLike,
     momenta: ArrayLike,
-    reference: ArrayLike | None,
+    reference: Tracked | None,
     warm_starts: Array | None,
 ) -> BatchSolution:
     """Solve from every state; see `ShootingSolver.solve_batch`."""
     begun = perf_counter()
     states = _states(attitudes, momenta)
-    target = as_rotation("reference", np.eye(3) if reference is None else reference)
+    target = as_reference(reference)
     n, steps = len(states), solver.ocp.horizon
     R, Pi = np.empty((n, steps + 1, 3, 3)), np.empty((n, steps + 1, 3))
     if warm_starts is not None:  # a copy: one array of one type for the one compiled kernel

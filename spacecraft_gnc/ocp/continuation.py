@@ -18,9 +18,18 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import require_kind
 from spacecraft_gnc.ocp.problem import AttitudeOcp
+from spacecraft_gnc.ocp.reference import Tracked, as_reference, is_moving
 from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
-from spacecraft_gnc.types import Array, ArrayLike, Matrix3, Vector3, as_rotation, as_vector3
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    Matrix3,
+    Reference,
+    Vector3,
+    as_rotation,
+    as_vector3,
+)
 
 SMALLEST_SHARE: Final = 1e-8  # of the penalties, with which a penalty continuation starts
 FACTOR: Final = 100.0  # between two of its problems
@@ -39,7 +48,7 @@ class Continuation(Protocol):
     """Newton steps of a direct solve after which this detour is tried although it converged."""
 
     def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Solve from a state."""
 
@@ -66,7 +75,7 @@ class PenaltyContinuation:
         ]
 
     def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Return the solution at full penalties; its ``iterations`` count all problems' steps."""
         guess: Array | None = None
@@ -80,10 +89,10 @@ class PenaltyContinuation:
 
 
 class StateContinuation:
-    """Start at rest on the target, whose solution is zero, and move the initial state away.
+    """Start on the target, at rest or moving with it, and move the initial state away.
 
-    The state moves along the shortest rotation with a momentum that grows in proportion; the step
-    is halved where a solve fails.
+    The solution there is zero, or the torque fed forward. The state moves along the shortest
+    rotation with a momentum that changes in proportion; the step is halved where a solve fails.
 
     Parameters
     ----------
@@ -102,13 +111,16 @@ class StateContinuation:
         self._long_way = long_way
 
     def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Return the solution at the state asked for; its ``iterations`` count all steps made.
 
         Where the way is blocked it is the failed solve nearest to it.
         """
-        target = as_rotation("reference", np.eye(3) if reference is None else reference)
+        tracked = as_reference(reference)
+        target, spin = tracked.attitude, None
+        if is_moving(tracked):
+            spin = np.asarray(self._solver.ocp.inertia) @ tracked.angular_velocity
         R, Pi = as_rotation("attitude", attitude), as_vector3("momentum", momentum)
         turn = lie.log(target.T @ R)
         angle = float(np.linalg.norm(turn))
@@ -119,7 +131,10 @@ class StateContinuation:
         while True:
             following = min(1.0, share + advance)
             start = R if following == 1.0 else target @ lie.exp(following * turn)
-            solution = self._solver.solve(start, following * Pi, reference, guess)
+            moved = following * Pi
+            if spin is not None:
+                moved = moved + (1.0 - following) * spin
+            solution = self._solver.solve(start, moved, reference, guess)
             iterations += solution.iterations
             if solution.converged:
                 share, guess = following, solution.costates
@@ -150,7 +165,7 @@ class HorizonContinuation:
         self._solvers = [*shorter, ShootingSolver(ocp, options=options)]
 
     def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Return the solution over the whole horizon; its ``iterations`` count all steps made."""
         guess: Array | None = None
@@ -187,7 +202,7 @@ class EffortContinuation:
         self._solvers = [*dearer, ShootingSolver(ocp, options=options)]
 
     def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Return the solution at the true weight; its ``iterations`` count all problems' steps."""
         guess: Array | None = None
@@ -228,16 +243,16 @@ class OpenContinuation:
         self._solvers = [*softer, ShootingSolver(ocp, options=options)]
 
     def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Return the solution with all zones; its ``iterations`` count all steps made."""
-        target = as_rotation("reference", np.eye(3) if reference is None else reference)
+        target = as_reference(reference)
         problem = (as_rotation("attitude", attitude), as_vector3("momentum", momentum), target)
-        both = self._zones or lie.angle_between(target, problem[0]) > NEAR_HALF_TURN
+        both = self._zones or lie.angle_between(target.attitude, problem[0]) > NEAR_HALF_TURN
         ways = (self._short_way, self._long_way) if both else (self._short_way,)
         return cheapest(self._hardened(way.solve(*problem), problem) for way in ways)
 
-    def _hardened(self, found: Solution, problem: tuple[Matrix3, Vector3, Matrix3]) -> Solution:
+    def _hardened(self, found: Solution, problem: tuple[Matrix3, Vector3, Reference]) -> Solution:
         iterations, guess = found.iterations, None
         for solver in self._solvers:
             guess = found.costates if found.converged else guess
@@ -271,7 +286,7 @@ class AutomaticContinuation:
         self._nearer = StateContinuation(ocp, options)
 
     def solve(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Return the cheapest solution found; its ``iterations`` count all steps made."""
         problem = (attitude, momentum, reference)

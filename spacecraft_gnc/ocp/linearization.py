@@ -47,7 +47,7 @@ def factorization(solution: Solution) -> Array:
     u, lam, resid = np.empty((n, 3)), np.empty((n, 6)), np.empty((n, 3))
     W = np.zeros((n, _stage_kernels.work_size(ocp.n_controls)))
     fac = np.zeros((n, _sweep_kernels.FACTOR_SIZE))
-    track = track_of(ocp, solution.reference)
+    track = track_of(ocp, solution.tracked)
     problem = (ocp.body.packed, ocp.data, ocp.zone_rows, track)
     guess = np.ascontiguousarray(solution.costates[:, 3:])
     _sweep_kernels.evaluate(*problem, guess, R, Pi, u, lam, resid, W)

@@ -8,12 +8,16 @@ from earlier steps; where it is not, or the bound is not good enough, the correc
 the next one worked out, which measures it. An exact solve is made instead where
 
 - the bound still exceeds the tolerance,
-- other limits act than when the factorization was made, or the reference has changed,
+- other limits act than when the factorization was made, or a resting reference has changed,
 - the factorization is older than ``max_age`` steps, or there is none.
 
 The torque follows from the multipliers by (38), as in an exact solve, so the torque limit holds;
 what the penalty leaves beyond it is cut off. Source: Bagherzadeh et al. 2023, section 5, with the
 multipliers, instead of the torques, as what is corrected; Gupta et al. 2015, Remark III.
+
+A moving reference is another one at every step. There the last optimum is first turned by as much
+as the reference has turned, which is exact where the problem looks the same from every direction
+(no zones, attitude weights c I); what is left of it otherwise, the corrections have to make good.
 """
 
 from __future__ import annotations
@@ -28,11 +32,20 @@ import numpy as np
 from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.arrays import FLOAT64
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.ocp._neighboring_kernels import LAST, SEEN, correct
+from spacecraft_gnc.ocp._neighboring_kernels import LAST, LAST_REFERENCE, SEEN, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
+from spacecraft_gnc.ocp.reference import RESTING, Tracked, as_reference, is_moving
 from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver, horizon_shapes
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, ArrayLike, as_matrix3, as_vector3, read_only
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    Matrix3,
+    Reference,
+    as_matrix3,
+    as_vector3,
+    read_only,
+)
 
 FORMULATION = "neighboring_extremal"
 CONVERGED = Status.CONVERGED
@@ -100,7 +113,7 @@ class NeighboringExtremal:
         self._shapes, self._n_zones = horizon_shapes(ocp.horizon), len(ocp.zones)
         self._max_age, self._limit = self.neighboring.max_age, ocp.max_torque
         self._work = self.solver.work
-        self._rows = rows = np.empty((12, 3))
+        self._rows = rows = np.zeros((17, 3))
         self._attitude, self._momentum = rows[:3], rows[3]
         self._lock = Lock()
         self.reset()
@@ -116,6 +129,7 @@ class NeighboringExtremal:
         self._age = self._max_age
         self._curvature = math.nan
         self._target, self._target_bytes = np.eye(3), b""
+        self._motion, self._moved = RESTING, False
         self.corrected = self.solved = 0
         self.error_bound = 0.0
 
@@ -132,7 +146,7 @@ class NeighboringExtremal:
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         warm_start: Array | None = None,
     ) -> Solution:
         """Return a neighboring extremal or an exact solution, as `ShootingSolver.solve`.
@@ -158,7 +172,7 @@ class NeighboringExtremal:
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None,
+        reference: Tracked | None,
         warm_start: Array | None,
     ) -> Solution:
         solution = self.solver.solve(attitude, momentum, reference, warm_start)
@@ -170,10 +184,10 @@ class NeighboringExtremal:
             self.largest_error = self.neighboring.tolerance * largest
         self._age = 0 if usable else self._max_age
         self._curvature = solution.min_curvature
-        self._target = read_only(solution.reference.copy())
-        self._target_bytes = self._target.tobytes()
+        self._remember(solution.reference, solution.feedforward)
         rows = self._rows
-        rows[4:7] = solution.reference
+        rows[4:7] = rows[LAST_REFERENCE:] = solution.reference
+        rows[7:9] = solution.feedforward
         rows[SEEN] = math.inf, 0.0, 0.0
         rows[LAST : LAST + 3], rows[LAST + 3] = solution.attitudes[0], solution.momenta[0]
         return solution
@@ -185,26 +199,47 @@ class NeighboringExtremal:
         self.reset()
 
     def _correct(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None
     ) -> Solution | None:
         started = perf_counter()
-        if reference is not None and np.asarray(reference).tobytes() != self._target_bytes:
+        target, moving = reference, self._moved
+        if isinstance(reference, Reference):
+            target, moving = reference.attitude, moving or is_moving(reference)
+        if moving:
+            self._take(reference)
+        elif target is not None and np.asarray(target).tobytes() != self._target_bytes:
             return None
         rows = self._rows
         self._attitude[...], self._momentum[...] = attitude, momentum
         R, Pi, u, lam = map(np.empty, self._shapes)
         margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
         good, bound, norm, cost, largest, off, travel = correct(
-            rows, R, Pi, u, lam, margins, self.largest_error, *self._work
+            rows, moving, R, Pi, u, lam, margins, self.largest_error, *self._work
         )
         if not good:
             return None
         self._age += 1
         self.corrected += 1
         self.error_bound = bound
+        if moving:
+            self._remember(rows[4:7], rows[7:9])
         limit = self._limit
         margin = limit - largest**0.5 if limit > 0.0 else math.inf
-        return Solution(
+        solution = Solution(
             u, R, Pi, lam, cost, CONVERGED, 0, norm, perf_counter() - started, margin,
             self._target, self.ocp, FORMULATION, self._curvature, margins, off, travel,
         )  # fmt: skip
+        return solution._replace(feedforward=self._motion) if moving else solution
+
+    def _take(self, reference: Tracked | None) -> None:
+        """Put a moving reference, or what follows one, into ``rows``."""
+        tracked = as_reference(reference)
+        self._rows[4:7], self._rows[7:9] = tracked.attitude, tracked[1:]
+
+    def _remember(self, attitude: Matrix3, motion: Array) -> None:
+        """Keep what was tracked last, in arrays that later solves leave alone."""
+        self._target = read_only(attitude.copy())
+        self._target_bytes = self._target.tobytes()
+        self._motion, self._moved = RESTING, False
+        if motion is not RESTING and motion.any():
+            self._motion, self._moved = read_only(motion.copy()), True

@@ -20,9 +20,18 @@ from spacecraft_gnc.arrays import as_shaped
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._neighboring_kernels import feed_back
 from spacecraft_gnc.ocp.linearization import linearize
+from spacecraft_gnc.ocp.reference import Tracked, is_moving
 from spacecraft_gnc.ocp.shooting import ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution
-from spacecraft_gnc.types import Array, ArrayLike, Matrix3, Vector3, as_rotation, as_vector3
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    Matrix3,
+    Reference,
+    Vector3,
+    as_rotation,
+    as_vector3,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,16 +81,21 @@ def fly_nominal(
     attitude: ArrayLike,
     momentum: ArrayLike,
     n_steps: int,
-    reference: ArrayLike | None = None,
+    reference: Tracked | None = None,
 ) -> NominalRun:
     """Fly the closed loop of exact solves and store it with its gains.
 
     Raises
     ------
     ParameterError
-        If a solve along the run does not converge.
+        If a solve along the run does not converge, or the reference moves.
     """
     require_kind("solver", solver, ShootingSolver)
+    if isinstance(reference, Reference) and is_moving(reference):
+        raise ParameterError(
+            "reference: received one that moves; required one at rest, which a stored run can "
+            "lead to; use `NeighboringExtremal`"
+        )
     n_steps = as_count("n_steps", n_steps)
     R, Pi = as_rotation("attitude", attitude), as_vector3("momentum", momentum)
     run = NominalRun(

@@ -1,13 +1,14 @@
-"""The finite-horizon optimal control problem: what is minimised, under which dynamics and limits.
+"""The finite-horizon optimal control problem: what is minimized, under which dynamics and limits.
 
-    minimise    |P1^(1/2) (R_N - R_ref)|_F^2 / 2 + |P2^(1/2) hat(Pi_N)|_F^2 / 2
-              + sum_k h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k)|_F^2)
-              + sum_k h/2 |Q3^(1/2) hat(u_k)|_F^2
+    minimize    |P1^(1/2) (R_N - R_ref,N)|_F^2 / 2 + |P2^(1/2) hat(Pi_N - Pi_ref)|_F^2 / 2
+              + sum_k h/2 (|Q1^(1/2) (R_k - R_ref,k)|_F^2 + |Q2^(1/2) hat(Pi_k - Pi_ref)|_F^2)
+              + sum_k h/2 |Q3^(1/2) hat(u_k - u_ref)|_F^2
               + sum_k h mu0 max(0, |u_k|^2 - max_torque^2)^2 + sum_k sum_i h mu_i max(0, H_i(R_k))^2
 
 subject to the integrator of `dynamics.rigid_body`, driven by the torque B u. Source: Gupta et al.
-2015, (27)-(30), extended from regulation (R_ref = I) to tracking a constant reference attitude (its
-Remark II) and to an actuator matrix B (Bagherzadeh et al. 2023, (9)).
+2015, (27)-(30), extended from regulation (R_ref = I) to a constant reference attitude (its Remark
+II), to one that turns at a constant rate (docs/solver.md, "A moving reference": R_ref,k, Pi_ref and
+u_ref follow from a `Reference`) and to an actuator matrix B (Bagherzadeh et al. 2023, (9)).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from spacecraft_gnc.arrays import as_finite, as_shaped
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp import _data_kernels, _stage_kernels
+from spacecraft_gnc.ocp.reference import Tracked
 from spacecraft_gnc.ocp.rollout import Horizon
 from spacecraft_gnc.ocp.zones import PointingZone, as_zones
 from spacecraft_gnc.types import (
@@ -165,7 +167,7 @@ class AttitudeOcp:
         controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
     ) -> float:
         """Return the cost of controls (N, m) [N m], constants and penalties included."""
         horizon = Horizon(self, controls, attitude, momentum, reference)
@@ -185,7 +187,7 @@ class AttitudeOcp:
         controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
     ) -> Array:
         """Return the gradient (N, m) of `cost` to the controls, by the adjoint (34)-(38).
 
@@ -199,7 +201,7 @@ class AttitudeOcp:
         controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
     ) -> Array:
         """Return the second derivative (mN, mN) of `cost` to the controls."""
         return Horizon(self, controls, attitude, momentum, reference).hessian()
@@ -259,6 +261,7 @@ def _pack(ocp: AttitudeOcp) -> Array:
         np.array([float(ocp.n_controls)]),
         ocp.control_weights,
         (ocp.torque_map @ ocp.control_axes).T.ravel(),
+        (ocp.control_axes.T @ ocp.allocation).ravel(),
     ]
     return read_only(np.concatenate(numbers))
 

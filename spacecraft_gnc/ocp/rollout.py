@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels, _terminal_kernels
-from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_rotation, as_vector3
+from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels, _track_kernels
+from spacecraft_gnc.ocp.reference import Tracked, as_reference
+from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
 if TYPE_CHECKING:
     from spacecraft_gnc.ocp.problem import AttitudeOcp
@@ -22,7 +23,7 @@ class Horizon:
         controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None,
+        reference: Tracked | None,
     ) -> None:
         n = ocp.horizon
         self.ocp = ocp
@@ -32,7 +33,7 @@ class Horizon:
         self.attitudes[0] = as_rotation("attitude", attitude)
         self.momenta[0] = as_vector3("momentum", momentum)
         self.work = np.zeros((n, _stage_kernels.work_size(ocp.n_controls)))
-        self.track = track_of(ocp, np.eye(3) if reference is None else reference)
+        self.track = track_of(ocp, reference)
         turned = np.ascontiguousarray(controls @ ocp.control_axes)
         done = _adjoint_kernels.rollout(
             ocp.body.packed, ocp.data, self.attitudes, self.momenta, turned, self.work
@@ -77,9 +78,9 @@ class Horizon:
         return np.asarray(axes @ hessian @ axes.T)
 
 
-def track_of(ocp: AttitudeOcp, reference: ArrayLike) -> Array:
-    """Return the reference (27,) as the kernels want it: `_terminal_kernels.set_track`."""
-    rotation: Matrix3 = as_rotation("reference", reference)
-    track = np.empty(27)
-    _terminal_kernels.set_track(ocp.data, tuple(rotation.ravel().tolist()), track)
+def track_of(ocp: AttitudeOcp, reference: Tracked | None) -> Array:
+    """Return a reference as the kernels want it: `_track_kernels.set_track`."""
+    track = np.empty(_track_kernels.track_size(ocp.horizon, ocp.n_controls))
+    rows = (tuple(np.ravel(value).tolist()) for value in as_reference(reference))
+    _track_kernels.set_track(ocp.body.packed, ocp.data, *rows, track)
     return track

@@ -52,8 +52,16 @@ from spacecraft_gnc.ocp._solve_kernels import (
 )
 from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
+from spacecraft_gnc.ocp.reference import Tracked, is_moving, motion_of, stacked
 from spacecraft_gnc.ocp.solution import Solution, Status
-from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_matrix3, as_rotation, as_vector3
+from spacecraft_gnc.types import (
+    Array,
+    ArrayLike,
+    Reference,
+    as_matrix3,
+    as_rotation,
+    as_vector3,
+)
 
 STATUSES = tuple(Status)
 VARIANTS = ("exact", "estimated_du", "estimated_u")
@@ -163,9 +171,11 @@ class ShootingSolver:
             options.residual_tolerance,
             options.max_iterations,
         )
-        self._inputs = x = np.empty((7, 3))
-        self._attitude, self._momentum, self._target = x[:3], x[3], x[4:]
+        self._inputs = x = np.zeros((9, 3))
+        self._attitude, self._momentum, self._target = x[:3], x[3], x[4:7]
+        self._motion = x[7:]
         self._cold, self._warm = np.zeros((n, 6)), np.empty((n, 6))
+        self._moved = False  # whether the last reference did
         self._lock = Lock()
 
     def __reduce__(self) -> tuple[type[ShootingSolver], tuple[AttitudeOcp, str, ShootingOptions]]:
@@ -184,7 +194,7 @@ class ShootingSolver:
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         warm_start: Array | None = None,
     ) -> Solution:
         """Solve from a state.
@@ -195,8 +205,9 @@ class ShootingSolver:
             Rotation, body to inertial.
         momentum : (3,) array
             Angular momentum, body frame [N m s].
-        reference : (3, 3) array, optional
-            Attitude to track, body to inertial; the identity if absent.
+        reference : (3, 3) array or Reference, optional
+            Attitude to track, body to inertial, at the first step; the identity if absent. A
+            `Reference` goes on from there at its angular velocity, with its torque.
         warm_start : (N, 6) array, optional
             Multipliers to start from, as the previous step's `Solution.warm_start`; zero if absent.
 
@@ -211,8 +222,11 @@ class ShootingSolver:
             If an argument is not a finite state, a rotation, or multipliers of this horizon.
         """
         started = perf_counter()
-        target = IDENTITY if reference is None else reference
-        guess = self._cold
+        target: ArrayLike = IDENTITY if reference is None else reference  # type: ignore[assignment]
+        guess, motion = self._cold, None
+        if isinstance(reference, Reference):
+            target = reference.attitude
+            motion = motion_of(reference) if is_moving(reference) else None
         try:
             plain = attitude.shape == target.shape == (3, 3) and momentum.shape == (3,)  # type: ignore[union-attr]
             plain = plain and attitude.dtype is momentum.dtype is target.dtype is FLOAT64  # type: ignore[union-attr]
@@ -226,6 +240,9 @@ class ShootingSolver:
         with self._lock:
             # One array of one type: one compiled kernel for every caller.
             self._attitude[...], self._momentum[...], self._target[...] = attitude, momentum, target
+            if motion is not None or self._moved:
+                self._moved = motion is not None
+                self._motion[...] = 0.0 if motion is None else motion
             if warm_start is not None:
                 guess = self._warm  # a copy, for the same reason
                 guess[:] = self.ocp.checked_warm_start(warm_start)
@@ -236,7 +253,7 @@ class ShootingSolver:
         if code in (BAD_STATE, BAD_REFERENCE, BAD_GUESS):
             self._refuse(attitude, momentum, target)
         limit = self.ocp.max_torque
-        return Solution(
+        solution = Solution(
             u,
             R,
             Pi,
@@ -255,12 +272,13 @@ class ShootingSolver:
             error,
             travel,
         )
+        return solution if motion is None else solution._replace(feedforward=motion)
 
     def solve_batch(
         self,
         attitudes: ArrayLike,
         momenta: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         warm_starts: Array | None = None,
     ) -> BatchSolution:
         """Solve from many states, each by itself, without leaving compiled code.
@@ -271,8 +289,8 @@ class ShootingSolver:
             Rotations, body to inertial.
         momenta : (n, 3) array
             Angular momenta, body frame [N m s].
-        reference : (3, 3) array, optional
-            Attitude to track, body to inertial; the identity if absent.
+        reference : (3, 3) array or Reference, optional
+            What all of them track, as in `solve`; the identity if absent.
         warm_starts : (n, N, 6) array, optional
             Multipliers to start each solve from; zero if absent.
 
@@ -291,7 +309,7 @@ class ShootingSolver:
     def run_batch(
         self,
         states: Array,
-        reference: Matrix3,
+        reference: Reference,
         warm_starts: Array | None,
         outputs: tuple[Array, ...],
         numbers: Array,
@@ -299,7 +317,8 @@ class ShootingSolver:
         """Run the batch kernel on states (n, 4, 3) with this solver's problem and settings."""
         warm = self._cold[None] if warm_starts is None else warm_starts
         with self._lock:
-            solve_batch(states, reference, warm, *outputs, *self.work, *self.settings, numbers)
+            rows = stacked(reference)
+            solve_batch(states, rows, warm, *outputs, *self.work, *self.settings, numbers)
 
     @property
     def kept(self) -> NDArray[np.int64]:
@@ -310,10 +329,10 @@ class ShootingSolver:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""
         self.solve(IDENTITY, np.zeros(3))
 
-    def _refuse(self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike) -> NoReturn:
+    def _refuse(self, attitude: ArrayLike, momentum: ArrayLike, target: ArrayLike) -> NoReturn:
         as_rotation("attitude", attitude)
         as_vector3("momentum", momentum)
-        as_rotation("reference", reference)
+        as_rotation("reference", target)
         raise ParameterError(
             "warm_start: received NaN or infinity; required finite multipliers; pass the "
             "warm_start of a converged solution, or None to start from zero"

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.ocp.reference import RESTING
+from spacecraft_gnc.types import Array, Reference
 
 if TYPE_CHECKING:
     from spacecraft_gnc.ocp.problem import AttitudeOcp
@@ -75,7 +76,7 @@ class Solution(NamedTuple):
     torque_margin: float
     """max_torque - max_k |u_k| [N m]; infinite without a limit."""
     reference: Array
-    """(3, 3) attitude tracked, body to inertial."""
+    """(3, 3) attitude tracked at the start of the horizon, body to inertial."""
     ocp: AttitudeOcp
     """The problem solved."""
     formulation: str
@@ -96,6 +97,8 @@ class Solution(NamedTuple):
     """|(Z_N, Pi_N)|_P^2 where the problem has a terminal set; NaN without one."""
     terminal_multiplier: float = 0.0
     """Multiplier nu >= 0 of the terminal set; ``ocp`` then has (1 + nu) F as its terminal cost."""
+    feedforward: Array = RESTING
+    """(2, 3) angular velocity [rad/s] and torque [N m] with which that attitude moves."""
 
     def __repr__(self) -> str:
         """Return how the solve ended, in one line."""
@@ -105,6 +108,11 @@ class Solution(NamedTuple):
             f"{self.residual:.2g}, cost {self.cost:.6g}, {error:.4g} deg from the reference, "
             f"{len(self.torques)} steps, {1e6 * self.solve_time:.3g} us)"
         )
+
+    @property
+    def tracked(self) -> Reference:
+        """The reference of the solve."""
+        return Reference(self.reference, *self.feedforward)
 
     @property
     def converged(self) -> bool:

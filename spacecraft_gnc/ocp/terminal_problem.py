@@ -171,7 +171,7 @@ class TerminalSetOcp(AttitudeOcp):
         """Pack the problem in the log form; the kernels multiply stages by h."""
         scale, limit = self.stage_cost_scale, self.max_torque * BELOW
         weights, axes = np.linalg.eigh(0.5 * scale / self.time_step * torque)
-        tail = [weights, axes.T.ravel()]
+        tail = [weights, axes.T.ravel(), axes.T.ravel()]
         head = np.concatenate(
             [
                 [self.time_step, limit * limit, math.inf],

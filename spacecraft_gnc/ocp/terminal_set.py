@@ -21,18 +21,20 @@ import numpy as np
 
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics._lgvi_kernels import BODY_SIZE
+from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._data_kernels import MADE_OF, MU0, P_LOG
+from spacecraft_gnc.ocp.reference import Tracked, is_moving
 from spacecraft_gnc.ocp.shooting import IDENTITY, ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
-from spacecraft_gnc.types import Array, ArrayLike
+from spacecraft_gnc.types import Array, ArrayLike, Reference
 
 LARGEST = math.log(1e8)  # of log(1 + nu)
 PENALTIES = 10.0 ** np.arange(-2.0, 9.0)  # of the torque limit, as it is hardened
 ON_BORDER = 1e-9  # the level found lies between (1 - this) c and c
 SEARCHES = 60
 LARGEST_HORIZON = 4096
-Problem: TypeAlias = tuple[ArrayLike, ArrayLike, ArrayLike | None]
+Problem: TypeAlias = tuple[ArrayLike, ArrayLike, Tracked | None]
 
 
 class TerminalSetSolver:
@@ -69,7 +71,7 @@ class TerminalSetSolver:
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         warm_start: Array | None = None,
     ) -> Solution:
         """Solve from a state.
@@ -80,8 +82,9 @@ class TerminalSetSolver:
             Rotation, body to inertial.
         momentum : (3,) array
             Angular momentum, body frame [N m s].
-        reference : (3, 3) array, optional
-            Attitude to track, body to inertial; the identity if absent.
+        reference : (3, 3) array or Reference, optional
+            Attitude to track, body to inertial; the identity if absent. It must be at rest: the
+            terminal set is invariant around rest only.
         warm_start : (N, 6) array, optional
             Multipliers to start from, as the previous step's `Solution.warm_start`; zero if absent.
 
@@ -95,7 +98,8 @@ class TerminalSetSolver:
         Raises
         ------
         ShapeError, ParameterError
-            If an argument is not a finite state, a rotation, or multipliers of this horizon.
+            If an argument is not a finite state, a rotation, or multipliers of this horizon, or
+            the reference moves.
         """
         started = perf_counter()
         search = _Search(self, (attitude, momentum, reference), warm_start)
@@ -107,7 +111,7 @@ class TerminalSetSolver:
         return found._replace(solve_time=perf_counter() - started)
 
     def least_level(
-        self, attitude: ArrayLike, momentum: ArrayLike, reference: ArrayLike | None = None
+        self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
     ) -> Solution:
         """Return the solution that ends as near to the target as the torque limit allows.
 
@@ -125,7 +129,7 @@ class TerminalSetSolver:
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         largest: int = LARGEST_HORIZON,
     ) -> int | None:
         """Return the least horizon that reaches the terminal set; None if none up to ``largest``.
@@ -189,6 +193,7 @@ class _Search:
         problem: Problem,
         guess: Array | None,
     ) -> None:
+        _require_rest(problem[2])
         self._solver = solver
         self._problem = problem
         self._guess = guess
@@ -255,6 +260,16 @@ class _Search:
             if not found.converged:
                 return found
         return inside[2] if inside is not None else found
+
+
+def _require_rest(reference: Tracked | None) -> None:
+    if isinstance(reference, Reference) and is_moving(reference):
+        rate, torque = (" ".join(f"{x:.6g}" for x in row) for row in reference[1:])
+        raise ParameterError(
+            f"reference: received angular velocity [{rate}] rad/s and torque [{torque}] N m; "
+            "required a reference at rest, around which alone the terminal set is invariant "
+            "(Kalabic et al. 2014, (29)); track it with method shooting"
+        )
 
 
 def _between(outside: tuple[float, float], inside: tuple[float, float, Solution]) -> float:

@@ -33,10 +33,13 @@ def independent(ocp, reference):
     )  # fmt: skip
 
 
+NOTHING = np.zeros((1, 6)), np.zeros((1, 2, 3))  # no costates claimed, a reference at rest
+
+
 def plan_of(attitude, momentum, torques, reference):
     attitudes, momenta = np.empty((1, 5, 3, 3)), np.empty((1, 5, 3))
     attitudes[0], momenta[0] = OCP.rollout(torques, attitude, momentum)
-    return Plans(reference[None], attitudes, momenta, torques[None].copy(), np.zeros((1, 6)))
+    return Plans(reference[None], attitudes, momenta, torques[None].copy(), *NOTHING)
 
 
 vectors = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
@@ -72,7 +75,7 @@ def test_where_the_limit_acts_its_multiplier_is_found_and_the_rest_is_the_residu
     assert solution.torque_margin < 0.0  # by what the penalty lets through
     plan = Plans(
         np.eye(3)[None], solution.attitudes[None], solution.momenta[None],
-        solution.torques[None], np.zeros((1, 6)),
+        solution.torques[None], *NOTHING,
     )  # fmt: skip
     found = CERTIFIER.certify(plan)
     assert found.residual[0] < 1e-12
@@ -89,7 +92,7 @@ def test_the_curvature_has_the_sign_and_the_bound_of_the_hessian():
     solution = ShootingSolver(OCP).solve(lie.exp([0.3, 0.2, -0.1]), np.zeros(3))
     plan = Plans(
         np.eye(3)[None], solution.attitudes[None], solution.momenta[None],
-        solution.torques[None], np.zeros((1, 6)),
+        solution.torques[None], *NOTHING,
     )  # fmt: skip
     curvature = CERTIFIER.certify(plan).curvature[0]
     hessian = OCP.hessian(solution.torques, solution.attitudes[0], solution.momenta[0])

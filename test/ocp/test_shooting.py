@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from ocp_cases import independent, problems, shoot
+from ocp_cases import independent, problems, references, shoot
 from scipy.optimize import minimize
 from strategies import rotations, vectors
 
@@ -41,7 +41,7 @@ def test_first_problem_of_case_1(case_1):
 
 
 @settings(max_examples=40)
-@given(problems(), rotations(), vectors(0.3), rotations(), vectors(0.2), vectors(0.2))
+@given(problems(), rotations(), vectors(0.3), references(), vectors(0.2), vectors(0.2))
 def test_residual_and_jacobian_equal_the_plain_implementation(
     ocp, attitude, momentum, reference, lam1, lam2
 ):
@@ -61,7 +61,7 @@ def test_residual_and_jacobian_equal_the_plain_implementation(
 
 
 @settings(max_examples=40)
-@given(problems(), rotations(), vectors(0.3), rotations(), st.integers(0, 2**32 - 1))
+@given(problems(), rotations(), vectors(0.3), references(), st.integers(0, 2**32 - 1))
 def test_cost_and_gradient_equal_the_printed_cost(ocp, attitude, momentum, reference, seed):
     torques = np.random.default_rng(seed).normal(size=(ocp.horizon, 3)) * 0.2
     plain = independent(ocp, reference)
@@ -78,14 +78,14 @@ def test_cost_and_gradient_equal_the_printed_cost(ocp, attitude, momentum, refer
 
 
 @settings(max_examples=20)
-@given(problems(), rotations(), vectors(0.3), st.integers(0, 2**32 - 1))
-def test_hessian_equals_differences_of_the_gradient(ocp, attitude, momentum, seed):
+@given(problems(), rotations(), vectors(0.3), references(), st.integers(0, 2**32 - 1))
+def test_hessian_equals_differences_of_the_gradient(ocp, attitude, momentum, reference, seed):
     torques = np.random.default_rng(seed).normal(size=(ocp.horizon, 3)) * 0.2
-    hessian = ocp.hessian(torques, attitude, momentum)
+    hessian = ocp.hessian(torques, attitude, momentum, reference)
     step = 1e-6
     direction = np.random.default_rng(seed + 1).normal(size=torques.shape)
-    ahead = ocp.gradient(torques + step * direction, attitude, momentum)
-    behind = ocp.gradient(torques - step * direction, attitude, momentum)
+    ahead = ocp.gradient(torques + step * direction, attitude, momentum, reference)
+    behind = ocp.gradient(torques - step * direction, attitude, momentum, reference)
     difference = ((ahead - behind) / (2.0 * step)).ravel()
     size = max(1.0, np.abs(hessian).max())
     assert np.abs(hessian - hessian.T).max() < 1e-9 * size
@@ -97,13 +97,13 @@ def test_hessian_equals_differences_of_the_gradient(ocp, attitude, momentum, see
 
 
 @settings(max_examples=25)
-@given(problems(), rotations(), vectors(0.1))
-def test_a_converged_solve_is_stationary_for_the_printed_cost(ocp, attitude, momentum):
-    solution = ShootingSolver(ocp).solve(attitude, momentum)
+@given(problems(), rotations(), vectors(0.1), references())
+def test_a_converged_solve_is_stationary_for_the_printed_cost(ocp, attitude, momentum, reference):
+    solution = ShootingSolver(ocp).solve(attitude, momentum, reference)
     if solution.converged:
-        gradient = ocp.gradient(solution.torques, attitude, momentum)
+        gradient = ocp.gradient(solution.torques, attitude, momentum, reference)
         assert np.abs(gradient).max() < 1e-8
-        assert ocp.cost(solution.torques, attitude, momentum) == pytest.approx(
+        assert ocp.cost(solution.torques, attitude, momentum, reference) == pytest.approx(
             solution.cost, rel=1e-9, abs=1e-12
         )
     else:

@@ -13,10 +13,12 @@ from ocp_cases import independent, kernel_arguments, random_problem, random_rota
 from spacecraft_gnc.ocp import AttitudeOcp, Weights
 from spacecraft_gnc.ocp import _stage_kernels as stage
 from spacecraft_gnc.ocp import _sweep_kernels as sweep
+from spacecraft_gnc.types import Reference
 
 # Sums of some hundred terms of mixed size, rounded in another order: 1e-16 times their condition.
 ROUNDING = 1e-10
 CHEAP = 1e-3  # share of the torque's weight with which the Hessian is often indefinite
+AT_REST = np.zeros(25)  # the reference of one stage, of which a control reads its torque only
 STEP = 1e-30  # complex step: no cancellation, exact to rounding
 
 
@@ -32,6 +34,9 @@ class Sweep:
         cheap = replace(w, stage_torque=torque_weight * weight)
         self.ocp = ocp = replace(ocp, weights=cheap, actuators=actuators)
         self.reference = random_rotation(rng)
+        if seed % 2:
+            motion = 0.3 * rng.normal(size=3), 0.1 * rng.normal(size=3)
+            self.reference = Reference(self.reference, *motion)
         n = ocp.horizon
         self.guess = rng.normal(size=(n, 3)) * 0.2 * torque_weight
         self.constants, self.horizon = kernel_arguments(
@@ -188,7 +193,7 @@ def one_stage(penalty, limit, seed):
 def control_of(ocp, multiplier):
     """Torque, its excess sigma, and the matrix U of the kernels."""
     W = np.zeros((1, stage.work_size(3)))
-    u, sigma = stage.control(ocp.data, tuple(multiplier), W, 0)
+    u, sigma = stage.control(ocp.data, AT_REST, tuple(multiplier), W, 0)
     W[0, stage.SIGMA_AT] = sigma
     U = stage.control_sensitivity(ocp.data, W, 0, False)
     return np.array(u), sigma, np.array(U).reshape(3, 3)
@@ -236,7 +241,7 @@ def test_33_of_bagherzadeh_holds_as_corrected_not_as_printed(penalty):
 def test_the_estimated_sensitivity_leaves_out_the_limit():
     ocp, plain, multiplier = one_stage(1e4, 0.01, 3)
     W = np.zeros((1, stage.work_size(3)))
-    _, W[0, stage.SIGMA_AT] = stage.control(ocp.data, tuple(100.0 * multiplier), W, 0)
+    _, W[0, stage.SIGMA_AT] = stage.control(ocp.data, AT_REST, tuple(100.0 * multiplier), W, 0)
     assert W[0, stage.SIGMA_AT] > 0.0
     U = np.array(stage.control_sensitivity(ocp.data, W, 0, True)).reshape(3, 3)
     S3 = 0.5 * (np.trace(plain.Q3) * np.eye(3) - plain.Q3)

@@ -55,7 +55,11 @@ from spacecraft_gnc.ocp._sweep_kernels import (
     substitute,
     sweep_costates,
 )
-from spacecraft_gnc.ocp._terminal_kernels import set_track
+from spacecraft_gnc.ocp._track_kernels import (
+    control_reference,
+    momentum_reference,
+    set_track,
+)
 
 STATUS, ATTITUDE_DEFECT, MOMENTUM_DEFECT, RESIDUAL, RADIUS_DEFECT, COST, LARGEST, CURVATURE = range(
     8
@@ -121,14 +125,16 @@ def _fill(body, data, R, Pi, u, z, W, numbers):
 
 
 @kernel
-def _pull(data, lam2, i):
-    """Component i of B^T lam2 along the eigenvectors of the control weight."""
-    g = D_U + int(data[M_U]) + 3 * i
-    return data[g] * lam2[0] + data[g + 1] * lam2[1] + data[g + 2] * lam2[2]
+def _pull(data, track, lam2, i):
+    """Component i of B^T lam2 + S3 u_ref along the eigenvectors of the control weight."""
+    m = int(data[M_U])
+    g = D_U + m + 3 * i
+    pull = data[g] * lam2[0] + data[g + 1] * lam2[1] + data[g + 2] * lam2[2]
+    return pull - data[D_U + i] * (0.0 - control_reference(track, m, i))
 
 
 @kernel
-def _conditions(data, lam, W, back, left, numbers):
+def _conditions(data, track, lam, W, back, left, numbers):
     """Fill ``left`` (N, 3) with what (38) leaves of each stage's lam2; set sigma in W.
 
     Returns its norm over the horizon.
@@ -143,7 +149,7 @@ def _conditions(data, lam, W, back, left, numbers):
         if alpha > 0.0 and zz >= alpha * (1.0 - ON_LIMIT):
             for i in range(m):
                 z = W[k, Z_AT + i]
-                sigma += z * (_pull(data, l2, i) - data[D_U + i] * z)
+                sigma += z * (_pull(data, track, l2, i) - data[D_U + i] * z)
             sigma = max(0.0, sigma / zz)
             bound = math.sqrt(alpha + sigma / (2.0 * data[MU0]))
             off = math.sqrt(zz) - bound
@@ -152,7 +158,7 @@ def _conditions(data, lam, W, back, left, numbers):
         W[k, SIGMA_AT] = sigma
         r = (0.0, 0.0, 0.0)
         for i in range(m):
-            off = _pull(data, l2, i) - (data[D_U + i] + sigma) * W[k, Z_AT + i]
+            off = _pull(data, track, l2, i) - (data[D_U + i] + sigma) * W[k, Z_AT + i]
             r = add(r, scale(off, load3(back, i)))
         store3(left, k, r)
         total += dot(r, r)
@@ -188,7 +194,7 @@ def _zones_pull(h, zones, R):
 
 
 @kernel
-def _made_of(data, zones, R, Pi, W):
+def _made_of(data, zones, track, R, Pi, W, back):
     """Sum of the sizes of what adds up to lam2 over the horizon, its first step included.
 
     The scale of its rounding, and of what counts as little of it: near the target, where lam2
@@ -198,6 +204,7 @@ def _made_of(data, zones, R, Pi, W):
     fastest = 0.0  # a momentum near zero is a difference of larger ones
     for k in range(N + 1):
         fastest = max(fastest, _size3(load3(Pi, k)))
+    fastest = max(fastest, _size3(momentum_reference(track)))
     if data[LOG_FORM] > 0.0:
         push = _size9(data9(data, Q_RATE))
         a1 = 0.5 * (_size9(log_weight(data, 0, 0)) + _size9(log_weight(data, 0, 3)) * fastest)
@@ -209,7 +216,10 @@ def _made_of(data, zones, R, Pi, W):
     for k in range(N - 1, -1, -1):
         a2 += _size9(load9_flat(W, k, M_AT)) * (a1 + push) + spin
         a1 += turn + _zones_pull(h, zones, load9(R, k))
-    return a2
+    fed, m = (0.0, 0.0, 0.0), back.shape[0]
+    for i in range(m):
+        fed = add(fed, scale(data[D_U + i] * control_reference(track, m, i), load3(back, i)))
+    return a2 + _size3(fed)
 
 
 @kernel
@@ -262,9 +272,9 @@ def certify(
     """Work out afresh what each plan is worth: a row of ``numbers`` (m, NUMBERS) each.
 
     Plans are (m, N+1, 3, 3), (m, N+1, 3), (m, N, 3) with controls (m, N, n) in the eigenvectors of
-    their weight; ``references`` (m, 3, 3); ``costates`` (m, 6) come in as claimed and go out as
-    found. ``back`` (n, 3) is the pseudo-inverse of G. ``lam`` (2, N, 6) and what follows is work
-    space, ``left`` (2, N, 3) among it.
+    their weight; ``references`` (m, 5, 3) are rows R_ref, omega_ref, tau_ref; ``costates`` (m, 6)
+    come in as claimed and go out as found. ``back`` (n, 3) is the pseudo-inverse of G. ``lam`` (2,
+    N, 6) and what follows is work space, ``left`` (2, N, 3) among it.
     """
     for j in range(numbers.shape[0]):
         n = numbers[j]
@@ -276,12 +286,13 @@ def certify(
         if not _fill(body, data, R, Pi, torques[j], controls[j], W, n):
             n[STATUS] = 1.0
             continue
-        set_track(data, load9_rows(references[j], 0), track)
+        r = references[j]
+        set_track(body, data, load9_rows(r, 0), load3(r, 3), load3(r, 4), track)
         if has_set:
             n[MULTIPLIER] = _multiplier(data, zones, track, R, Pi, W, lam[0], lam[1], costates[j])
         sweep_costates(data, zones, track, R, Pi, lam[0], W)
-        n[RESIDUAL] = _conditions(data, lam[0], W, back, left[0], n)
-        n[MADE_OF] = _made_of(data, zones, R, Pi, W)
+        n[RESIDUAL] = _conditions(data, track, lam[0], W, back, left[0], n)
+        n[MADE_OF] = _made_of(data, zones, track, R, Pi, W, back)
         for i in range(6):
             costates[j, i] = lam[0, 0, i]
         # the published cost leaves the multiplier's share out

@@ -33,7 +33,7 @@ class CorrectionAudit:
         self._unsolved = 0
         self._last = 0.0
         self._age: float = np.inf  # corrections since the last exact solve
-        self._step, self._reference = -1, b""
+        self._step, self._reference, self._moving = -1, b"", False
 
     def audit(self, steps: NDArray[np.int64], plans: Plans, rows: dict[str, NDArray[Any]]) -> None:
         """Audit the neighboring extremals among the solves of a block."""
@@ -52,7 +52,7 @@ class CorrectionAudit:
         for j, i in enumerate(chosen.tolist()):
             plan = Plans(*(values[i : i + 1] for values in plans))
             guess, _ = self._certifier.multipliers(plan)
-            start = plan.attitudes[0, 0], plan.momenta[0, 0], plan.references[0]
+            start = plan.attitudes[0, 0], plan.momenta[0, 0], plan.reference(0)
             exact = self._solver.solve(*start, guess)
             if exact.converged:
                 first = self._certifier.ocp.realizable(exact.torques[0])  # cut to the limit, too
@@ -69,21 +69,22 @@ class CorrectionAudit:
     def _young(
         self, steps: NDArray[np.int64], plans: Plans, rows: dict[str, NDArray[Any]]
     ) -> NDArray[np.bool_]:
-        """Tell which solves are exact, or correct an exact one of the same reference in time.
+        """Tell which solves are exact, or correct an exact one in time.
 
+        Of the same reference, where it rests; one that moves is followed.
         After a step without a plan here, whatever it was, corrections count from that step.
         """
         young = np.ones(len(steps), dtype=bool)
         for i, step in enumerate(steps.tolist()):
-            reference = plans.references[i].tobytes()
+            reference, moving = plans.references[i].tobytes(), bool(plans.feedforward[i].any())
             if rows["formulation"][i] != NEIGHBORING or (step != self._step + 1 and step > 0):
                 self._age = 0.0
-            elif reference != self._reference:
+            elif reference != self._reference and not (moving or self._moving):
                 self._age = np.inf
             if rows["formulation"][i] == NEIGHBORING:
                 self._age += 1.0
                 young[i] = self._age <= self._scenario.controller.ne_max_age
-            self._step, self._reference = step, reference
+            self._step, self._reference, self._moving = step, reference, moving
         return young
 
     def _scales(self, plans: Plans, rows: dict[str, NDArray[Any]]) -> Array:

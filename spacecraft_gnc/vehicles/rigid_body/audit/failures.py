@@ -223,7 +223,10 @@ class FailureAudit:
 
     def _certified(self, again: Solution) -> str:
         """Certify a plan by the audit's own kernels."""
-        plan = (again.reference, again.attitudes, again.momenta, again.torques, again.costates[0])
+        plan = (
+            again.reference, again.attitudes, again.momenta, again.torques, again.costates[0],
+            again.feedforward,
+        )  # fmt: skip
         found = self._certifier.certify(Plans(*(np.ascontiguousarray(x[None]) for x in plan)))
         share = float(found.residual[0] / max(float(found.made_of[0]), 1e-300))
         kept = share <= self._certificate.share_left(again.formulation)

@@ -12,7 +12,8 @@ from spacecraft_gnc.ocp import AttitudeOcp
 from spacecraft_gnc.ocp._data_kernels import ALPHA, MU0
 from spacecraft_gnc.ocp._stage_kernels import ZONE_SIZE, work_size
 from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE
-from spacecraft_gnc.types import Array, read_only
+from spacecraft_gnc.ocp._track_kernels import track_size
+from spacecraft_gnc.types import Array, Reference, read_only
 from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels as kernels
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
@@ -29,7 +30,7 @@ class Plans(NamedTuple):
     """Plans of m steps over N steps each, and what they were made for."""
 
     references: Array
-    """(m, 3, 3)"""
+    """(m, 3, 3) attitudes tracked at the start."""
     attitudes: Array
     """(m, N+1, 3, 3)"""
     momenta: Array
@@ -38,6 +39,12 @@ class Plans(NamedTuple):
     """(m, N, 3) [N m]"""
     costates: Array
     """(m, 6) of the first step, as published."""
+    feedforward: Array
+    """(m, 2, 3) angular velocity [rad/s] and torque [N m] with which the references move."""
+
+    def reference(self, i: int) -> Reference:
+        """Return what plan ``i`` tracks."""
+        return Reference(self.references[i], *self.feedforward[i])
 
 
 class Certificates(NamedTuple):
@@ -122,7 +129,7 @@ class Certifier:
         """Compile or load the kernel."""
         n = self.ocp.horizon
         still = np.tile(np.eye(3), (1, n + 1, 1, 1)), np.zeros((1, n + 1, 3)), np.zeros((1, n, 3))
-        self.certify(Plans(np.eye(3)[None], *still, np.zeros((1, 6))))
+        self.certify(Plans(np.eye(3)[None], *still, np.zeros((1, 6)), np.zeros((1, 2, 3))))
 
     def multipliers(self, plan: Plans) -> tuple[Array, float]:
         """Return the costates (N, 6) of one plan, and the multiplier of the terminal set."""
@@ -138,12 +145,14 @@ class Certifier:
         ocp, swept = self.ocp, np.empty((2, self.ocp.horizon, 6))
         m, n = len(plans.torques), ocp.horizon
         numbers, costates = np.empty((m, kernels.NUMBERS)), plans.costates.copy()
+        references = np.concatenate([plans.references, plans.feedforward], axis=1)
+        track = np.empty(track_size(n, ocp.n_controls))
         back = np.ascontiguousarray(np.linalg.pinv(ocp.torque_map @ ocp.control_axes))
         kernels.certify(
-            ocp.body.packed, self.data, self.zone_rows, plans.references, plans.attitudes,
+            ocp.body.packed, self.data, self.zone_rows, references, plans.attitudes,
             plans.momenta, plans.torques, self.controls(plans.torques), costates, back,
             self.has_set, swept, np.zeros((n, work_size(ocp.n_controls))),
-            np.zeros((n, FACTOR_SIZE)), np.empty((2, n, 3)), np.empty(27),
+            np.zeros((n, FACTOR_SIZE)), np.empty((2, n, 3)), track,
             np.empty(ocp.data.shape), numbers,
         )  # fmt: skip
         at = numbers.T

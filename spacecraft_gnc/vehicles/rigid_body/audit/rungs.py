@@ -103,6 +103,7 @@ def restored(certifier: Certifier, plans: Plans, rows: dict[str, NDArray[Any]], 
         zone_margins=rows["zone_margins"][i, : len(ocp.zones)],
         attitude_error=lie.angle_between(plans.references[i], attitudes[0]),
         travel=lie.angle_between(attitudes[0], attitudes[-1]),
+        feedforward=plans.feedforward[i],
     )
 
 

@@ -179,6 +179,9 @@ class SolverAudit:
     def _plans(self, steps: NDArray[np.int64], rows: Rows) -> Plans:
         n, m = self._certifier.ocp.horizon, len(steps)
         references = self._evidence.rows(REFERENCE, "attitude", steps)
+        motion = [
+            self._evidence.rows(REFERENCE, name, steps) for name in ("angular_velocity", "torque")
+        ]
         shapes = ((9 * (n + 1), (m, n + 1, 3, 3)), (3 * (n + 1), (m, n + 1, 3)), (3 * n, (m, n, 3)))
         names = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
         attitudes, momenta, torques = (
@@ -186,7 +189,8 @@ class SolverAudit:
             for name, (size, shape) in zip(names, shapes, strict=True)
         )
         references = references.reshape(m, 3, 3)
-        return Plans(references, attitudes, momenta, torques, rows["first_costate"])
+        first = rows["first_costate"]
+        return Plans(references, attitudes, momenta, torques, first, np.stack(motion, axis=1))
 
     def _start_and_command(self, steps: NDArray[np.int64], rows: Rows, plans: Plans) -> None:
         compare, evidence = self._ledger.compare, self._evidence

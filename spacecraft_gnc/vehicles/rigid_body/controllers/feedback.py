@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class FeedbackController:
-    """``method: feedback``: T = -K Pi - e, Kalabic et al. 2014, (8)-(10).
+    """``method: feedback``: the law of `AttitudeFeedback`, Kalabic et al. 2014, (8)-(10).
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class FeedbackController:
 
     def command(self, state: State, reference: Reference) -> Command:
         """Torque for the control step that starts at ``state``."""
-        torque = self.feedback.torque(state, reference.attitude)
+        torque = self.feedback.torque(state, reference)
         if math.isfinite(float(torque @ torque)):
             return Command(torque)
         return Command(np.zeros(3), Source.ZERO)

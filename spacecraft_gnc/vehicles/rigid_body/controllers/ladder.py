@@ -9,15 +9,18 @@ import math
 
 import numpy as np
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
 from spacecraft_gnc.ocp import AttitudeOcp, Solution
 from spacecraft_gnc.ocp.linearization import Linearization, deviation, linearize
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
+from spacecraft_gnc.ocp.reference import is_moving
 from spacecraft_gnc.types import Vector3
 
 # Attitude [rad] off the plan up to which its neighbouring extremal is trusted.
 NEIGHBORHOOD = 0.2
+SAME_ATTITUDE = 1e-9  # of the entries of a rotation: as far as its motion was planned
 
 
 class FallbackLadder:
@@ -55,10 +58,19 @@ class FallbackLadder:
             if torque is not None:
                 return Command(torque, Source.NEIGHBORING_EXTREMAL, solution)
             return Command(self._plan.torques[ahead], Source.SHIFTED_PLAN, solution)
-        torque = self._ocp.realizable(self._feedback.torque(state, reference.attitude))
+        torque = self._ocp.realizable(self._feedback.torque(state, reference))
         if math.isfinite(float(torque @ torque)):
             return Command(torque, Source.FEEDBACK, solution)
         return Command(np.zeros(3), Source.ZERO, solution)
+
+    def _continues(self, planned: Reference, ahead: int, reference: Reference) -> bool:
+        """Tell whether a reference is where the planned one has moved to ``ahead`` steps on."""
+        if not is_moving(planned):
+            return not is_moving(reference) and np.array_equal(reference.attitude, planned.attitude)
+        turn = lie.exp(ahead * self._ocp.time_step * np.asarray(planned.angular_velocity))
+        off = np.abs(reference.attitude - planned.attitude @ turn).max()
+        same = all(map(np.array_equal, reference[1:], planned[1:]))
+        return same and bool(off <= SAME_ATTITUDE)
 
     def _corrected(
         self, plan: Solution, ahead: int, state: State, reference: Reference
@@ -67,7 +79,7 @@ class FallbackLadder:
 
         None where the target has changed, or where the body has left the plan's neighbourhood.
         """
-        if not np.array_equal(reference.attitude, plan.reference):
+        if not self._continues(plan.tracked, ahead, reference):
             return None
         if not np.isfinite(state.attitude).all():
             return None

@@ -11,6 +11,7 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
 from spacecraft_gnc.loop.traits import NEIGHBORING_EXTREMAL
 from spacecraft_gnc.ocp import NominalRun, ShootingSolver, Solution, fly_nominal
+from spacecraft_gnc.ocp.reference import is_moving
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     OnlineNeighboringController,
@@ -97,7 +98,12 @@ class NominalRunController:
         return self._exact.solve(state, reference, warm_start)
 
     def _nominal(self, reference: Reference) -> NominalRun | None:
-        """Return the run towards this reference, flown once; None where it cannot be flown."""
+        """Return the run towards this reference, flown once; None where it cannot be flown.
+
+        A run leads to rest: none leads to a moving reference, which the exact solves track.
+        """
+        if is_moving(reference):
+            return None
         target = reference.attitude
         if not np.array_equal(target, self._run_reference):
             self._run_reference = target

@@ -35,6 +35,7 @@ from spacecraft_gnc.ocp import (
     cheapest,
     linearize,
 )
+from spacecraft_gnc.ocp.reference import Tracked
 from spacecraft_gnc.ocp.zones import zones_of
 from spacecraft_gnc.types import Array, ArrayLike
 from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
@@ -55,7 +56,7 @@ class Solver(Protocol):
         self,
         attitude: ArrayLike,
         momentum: ArrayLike,
-        reference: ArrayLike | None = None,
+        reference: Tracked | None = None,
         warm_start: Array | None = None,
     ) -> Solution:
         """Solve from a state."""
@@ -136,7 +137,7 @@ class SolverController:
         Returns the first solve that converged, else the last one that failed; None where the solver
         refuses the state or the reference. The warm start of the next step stays what it was.
         """
-        problem = (state.attitude, state.momentum, reference.attitude)
+        problem = (state.attitude, state.momentum, reference)
         try:
             solution = self.solver.solve(*problem, warm_start)
             if warm_start is not None and not solution.converged:

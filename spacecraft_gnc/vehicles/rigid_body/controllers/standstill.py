@@ -68,13 +68,18 @@ class StandstillMonitor:
         self._horizon_time = ocp.horizon * ocp.time_step
 
     def examine(self, solution: Solution) -> Finding | None:
-        """Return what is to be said of a converged solution; None in ordinary flight."""
+        """Return what is to be said of a converged solution; None in ordinary flight.
+
+        None, too, where the reference moves: there is no rest to come to.
+        """
         error = solution.attitude_error
         if error <= self._tolerance or solution.travel > 0.05 * error:  # before any norm
             return None
         momentum = math.sqrt(float(solution.momenta[0] @ solution.momenta[0]))
         torque = math.sqrt(float(solution.torques[0] @ solution.torques[0]))
         if not self.may_stand(error, solution.travel, momentum, torque):
+            return None
+        if solution.feedforward.any():  # what it is to follow does not stand still
             return None
         return self._certify(solution, error)
 

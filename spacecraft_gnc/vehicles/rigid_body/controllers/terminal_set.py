@@ -21,6 +21,8 @@ class TerminalSetController(SolverController):
 
     No standstill is looked for: half a turn away, the logarithm takes a side, and the solve
     with it. Where the terminal set is out of reach, the status is INFEASIBLE, and the ladder flies.
+    So it does where the reference moves, which the solver refuses: the set is invariant around rest
+    only. The feedback law at the ladder's foot tracks it, without constraints but the torque limit.
     """
 
     name = "terminal_set"
