@@ -45,7 +45,7 @@ def to_euler_321(attitude: Array) -> Array:
     and not from the first column, so that the three angles give R back to rounding everywhere.
     """
     r = as_stack("attitude", attitude)
-    down, right, up = r[..., 2, 0], r[..., 2, 1] + 0.0, r[..., 2, 2] + 0.0  # + 0.0: no minus zero
+    down, right, up = r[..., 2, 0], r[..., 2, 1], r[..., 2, 2] + 0.0  # + 0.0: no minus zero
     roll = np.arctan2(right, up)
     cosine, sine = np.cos(roll), np.sin(roll)
     pitch = np.arctan2(-down, np.hypot(right, up))

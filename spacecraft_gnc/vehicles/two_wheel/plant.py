@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.arguments import as_count, require_kind
-from spacecraft_gnc.arrays import as_float, as_shaped, listed
+from spacecraft_gnc.arrays import as_finite, as_float, as_shaped, listed
 from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.types import Array, ArrayLike, Invariants, Vector3
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
@@ -74,9 +74,12 @@ class GyrostatPlant:
         ShapeError, ParameterError
             If it is not m finite numbers, or the bus has come to turn too fast for the time step.
         """
-        command = as_shaped("acceleration", acceleration, (self.gyrostat.n_wheels,))
-        # A product, so that NaN is refused even where it is meant for a failed wheel.
-        self._state = self.gyrostat.step(self._state, command * self.healthy, self.substeps)
+        healthy = self.healthy
+        if not healthy.all():
+            m = self.gyrostat.n_wheels
+            command = as_finite("acceleration", acceleration, (m,), f"{m} numbers [rad/s^2]")
+            acceleration = np.where(healthy, command, 0.0)
+        self._state = self.gyrostat.step(self._state, acceleration, self.substeps)
         return self._state
 
     def invariants(self) -> Invariants:
@@ -116,5 +119,5 @@ class GyrostatPlant:
                 f"lost_at: received {listed(times)}; required times >= 0 s; use infinity for a "
                 "wheel that is not lost"
             )
-        # A hair of slack: 1.2 s are 3 steps of 0.4 s whatever the last bit.
+        # A hair of slack: 15.05 s are 7 periods of 2.15 s whatever the last bit.
         return np.ceil(times / self.period * (1.0 - 1e-12))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 
 import numpy as np
@@ -13,30 +12,25 @@ from independent import hat
 from scipy.integrate import solve_ivp
 from strategies import inertias, rotations, vectors
 from wheeled import (
+    ATTITUDE,
     FULL_INERTIA,
     ORTHOGONAL,
     PYRAMID,
+    RATE,
+    SPEEDS,
     WHEEL_SETS,
     afrl,
     momentum,
     small,
+    start,
 )
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.errors import GncError, ParameterError, ShapeError
 from spacecraft_gnc.vehicles.two_wheel import _gyrostat_kernels as kernels
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
-from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
-ATTITUDE = lie.exp(np.array([0.3, 0.2, 0.1]))
-RATE = np.array([0.3, -0.5, 0.8])  # [rad/s]
-SPEEDS = np.array([100.0, -50.0, 30.0, 20.0])  # [rad/s]
 MILLION = 10_000 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 1_000_000
-
-
-def start(gyrostat, share=1.0):
-    return gyrostat.state_from_rate(ATTITUDE, RATE, share * SPEEDS[: gyrostat.n_wheels])
 
 
 # --- conservation ---------------------------------------------------------------------------
@@ -52,7 +46,7 @@ def test_total_momentum_is_conserved_over_a_million_steps(moving):
     assert np.abs(total - total[0]).max() < 1e-14 * np.linalg.norm(total[0])
     gram = np.einsum("nji,njk->nik", motion[0], motion[0])
     assert np.abs(gram - np.eye(3)).max() < 1e-14
-    assert np.ptp(motion[2], axis=0).min() > 50.0 if moving else np.ptp(motion[2]) > 0.0
+    assert not moving or np.ptp(motion[2], axis=0).min() > 5.0
 
 
 def test_zero_momentum_stays_zero_while_the_wheels_turn_the_bus():
@@ -95,6 +89,15 @@ def test_a_stage_changes_the_energy_by_exactly_the_work_of_the_motors(J, Pi, g, 
     before_rate, after_rate = np.linalg.solve(J, Pi - g), np.linalg.solve(J, after - g - change)
     gain = 0.5 * (after_rate @ J @ after_rate - before_rate @ J @ before_rate)
     assert gain == pytest.approx(-0.5 * (before_rate + after_rate) @ change, abs=2e-14)
+    # The same for all of it: mean speed times axial impulse, wheel by wheel.
+    axial = 0.1
+    speeds = g / axial, (g + change) / axial
+    kinetic = [
+        0.5 * rate @ J @ rate + axial * (rate @ nu + 0.5 * nu @ nu)
+        for rate, nu in zip((before_rate, after_rate), speeds, strict=True)
+    ]
+    impulse = axial * (speeds[1] + after_rate) - axial * (speeds[0] + before_rate)
+    assert kinetic[1] - kinetic[0] == pytest.approx(0.5 * sum(speeds) @ impulse, abs=1e-13)
 
 
 def test_kinetic_energy_is_the_sum_over_the_bodies():
@@ -230,115 +233,3 @@ def test_the_motion_does_not_depend_on_the_inertial_frame():
     there = gyrostat.step(gyrostat.state_from_rate(turn @ ATTITUDE, RATE, SPEEDS), command, 50)
     assert np.abs(turn @ here.attitude - there.attitude).max() < 1e-14
     assert np.abs(here.angular_velocity - there.angular_velocity).max() < 1e-14
-
-
-# --- steps, limits, refusals ----------------------------------------------------------------
-
-
-def test_simulate_is_step_after_step():
-    gyrostat = small(PYRAMID, 0.05)
-    commands = np.random.default_rng(3).normal(size=(30, 4))
-    motion = gyrostat.simulate(start(gyrostat), commands)
-    state = start(gyrostat)
-    for k, command in enumerate(commands):
-        state = gyrostat.step(state, command)
-        for part, expected in zip(state[1:4], motion, strict=True):
-            assert np.array_equal(part, expected[k + 1])
-    assert state.step == 30
-    assert not any(part.flags.writeable for part in state[1:])
-
-
-def test_substeps_hold_the_command():
-    gyrostat, command = small(PYRAMID, 0.05), np.array([1.0, 2.0, -3.0, 4.0])
-    once, state = gyrostat.step(start(gyrostat), command, 7), start(gyrostat)
-    for _ in range(7):
-        state = gyrostat.step(state, command)
-    assert once.step == 1
-    for one, other in zip(once[1:], state[1:], strict=True):
-        assert np.abs(one - other).max() < 1e-13
-
-
-@given(st.lists(st.floats(-1e6, 1e6), min_size=4, max_size=4), st.integers(1, 30))
-def test_limits_hold_and_momentum_is_conserved_at_them(command, substeps):
-    gyrostat = small(PYRAMID, 0.05, max_speed=105.0, max_acceleration=30.0)
-    state = start(gyrostat)
-    after = gyrostat.step(state, np.array(command), substeps)
-    rise = np.clip(command, -30.0, 30.0) * 0.05 * substeps
-    assert np.abs(after.wheel_speed - np.clip(SPEEDS + rise, -105.0, 105.0)).max() < 1e-12
-    assert np.abs(after.wheel_speed).max() <= 105.0
-    total = momentum(gyrostat, *(part[None] for part in after[1:4]))[0]
-    assert np.abs(total - state.total_momentum).max() < 1e-14
-
-
-def test_a_wheel_beyond_its_limit_may_only_slow_down():
-    fast = small(ORTHOGONAL, 0.1).state_from_rate(ATTITUDE, RATE, [120.0, -120.0, 0.0])
-    gyrostat = small(ORTHOGONAL, 0.1, max_speed=100.0)
-    speeds = gyrostat.step(fast, np.array([10.0, 10.0, 10.0])).wheel_speed
-    assert speeds == pytest.approx([120.0, -119.0, 1.0], abs=1e-12)
-    with pytest.raises(ParameterError, match=r"wheel_speed: received .* at most 100 rad/s"):
-        gyrostat.state_from_rate(ATTITUDE, RATE, [120.0, -120.0, 0.0])
-
-
-@settings(max_examples=50)
-@given(inertias(), vectors(3.0), vectors(1.0), st.floats(1e-3, 10.0))
-def test_a_stage_solves_its_equation_or_says_that_it_does_not(J, Pi, g, h):
-    body = small(ORTHOGONAL, 1.0).body.copy()
-    body[:18] = np.concatenate([J.ravel(), np.linalg.inv(J).ravel()])
-    q0, q, ok = kernels.midpoint_turn(body, h, tuple(Pi), tuple(g))
-    turn = lie.from_quaternion_xyzw(np.array([*q, q0])) if ok else np.eye(3)
-    mean = np.linalg.solve(J, 0.5 * (Pi + turn.T @ Pi) - g)
-    f = np.array(q) / q0
-    assert not ok or np.abs(2.0 * f - h * mean).max() < 1e-12
-    # A step that is short for the rate is always taken.
-    assert ok or h * np.linalg.norm(np.linalg.solve(J, Pi - g)) > 0.3
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"inertia": np.diag([2.0, 0.5, 0.5])}, "inertia: .*triangle"),
-        ({"wheel_axes": np.zeros((3, 3))}, "wheel_axes: received a column 0 of zeros; required"),
-        ({"wheel_axes": np.eye(3)[:2]}, r"wheel_axes: .* required \(3, m\)"),
-        ({"wheel_axes": np.empty((3, 0))}, r"wheel_axes: .* required \(3, m\)"),
-        ({"wheel_axes": np.full((3, 3), math.nan)}, "wheel_axes: .* finite"),
-        ({"wheel_inertias": [0.01, 0.01]}, "wheel_inertias: .* required 3 numbers"),
-        ({"wheel_inertias": [0.01, 0.0, 0.01]}, "wheel_inertias: .* required positive"),
-        ({"wheel_inertias": [0.01, 0.9, 0.01]}, "wheel_inertias: .* leaves the bus"),
-        ({"time_step": 0.0}, "time_step: received 0.0"),
-        ({"max_speed": -1.0}, "max_speed: received -1.0"),
-        ({"max_acceleration": math.inf}, "max_acceleration: received inf"),
-    ],
-)
-def test_what_is_no_gyrostat_is_refused(changes, words):
-    arguments = {
-        "inertia": FULL_INERTIA, "wheel_axes": np.eye(3), "wheel_inertias": [0.01] * 3,
-        "time_step": 0.1,
-    }  # fmt: skip
-    with pytest.raises(GncError, match=words) as caught:
-        Gyrostat(**(arguments | changes))
-    assert "\n" not in str(caught.value)
-
-
-def test_states_and_commands_are_checked():
-    gyrostat = small(ORTHOGONAL, 0.1)
-    good = gyrostat.state_from_rate(ATTITUDE, RATE, np.zeros(3))
-    with pytest.raises(ShapeError, match=r"acceleration: .* 3 numbers \[rad/s\^2\]"):
-        gyrostat.step(good, np.zeros(4))
-    with pytest.raises(ParameterError, match=r"acceleration: received .*finite"):
-        gyrostat.step(good, np.array([0.0, math.nan, 0.0]))
-    with pytest.raises(ParameterError, match="substeps"):
-        gyrostat.step(good, np.zeros(3), 0)
-    with pytest.raises(ShapeError, match=r"state.wheel_speed"):
-        gyrostat.step(good._replace(wheel_speed=np.zeros(2)), np.zeros(3))
-    with pytest.raises(ParameterError, match=r"accelerations: .*one row for each step"):
-        gyrostat.simulate(good, np.zeros((2, 3)), 3)
-    with pytest.raises(ParameterError, match="attitude"):
-        gyrostat.state_from_rate(1.1 * np.eye(3), RATE, np.zeros(3))
-    with pytest.raises(ParameterError, match="total_momentum"):
-        gyrostat.state_from_momentum(np.eye(3), [0.0, math.inf, 0.0], np.zeros(3))
-    for unknown in (np.full(3, math.nan), np.full(3, 1e3)):
-        wild = WheelState(0, ATTITUDE, unknown, np.zeros(3), unknown)
-        with pytest.raises(ParameterError, match=r"quarter turn .* use a smaller time step"):
-            gyrostat.step(wild, np.zeros(3))
-        with pytest.raises(ParameterError, match="use a smaller time step"):
-            gyrostat.simulate(wild, np.zeros(3), 2)

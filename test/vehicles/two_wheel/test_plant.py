@@ -52,6 +52,15 @@ def test_a_failed_wheel_holds_its_speed_and_the_others_turn_the_bus():
     assert np.abs(momentum(GYROSTAT, *parts)[0] - total).max() < 1e-15
 
 
+def test_a_wheel_is_lost_at_the_step_that_starts_then_whatever_the_last_bit():
+    flown = plant(substeps=43, lost_at=[15.05, math.inf, math.inf, math.inf])
+    assert 15.05 / flown.period > 7.0
+    for _ in range(7):
+        assert flown.healthy.all()
+        flown.step(np.zeros(4))
+    assert not flown.healthy[0]
+
+
 def test_a_reset_flies_the_same_again():
     flown = plant(lost_at=[0.1, math.inf, math.inf, math.inf])
     flown.warm_up()

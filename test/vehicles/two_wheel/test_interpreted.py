@@ -1,0 +1,46 @@
+"""The gyrostat's kernels give the same numbers compiled and interpreted."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[3]
+PROGRAM = """
+import sys
+import numpy as np
+from spacecraft_gnc import lie
+from wheeled import PYRAMID, small
+gyrostat = small(PYRAMID, 0.05, max_speed=60.0, max_acceleration=30.0)
+state = gyrostat.state_from_rate(
+    lie.exp(np.array([0.3, 0.2, 0.1])), [0.3, -0.5, 0.8], [50.0, -20.0, 30.0, 20.0]
+)
+commands = np.random.default_rng(0).normal(scale=20.0, size=(100, 4))
+motion = gyrostat.simulate(state, commands)
+end = gyrostat.step(state, commands[0], 20)
+np.savez(sys.argv[1], *motion, *end)
+"""
+
+
+def run(target, **environment):
+    path = os.pathsep.join([str(ROOT), str(ROOT / "test")])
+    subprocess.run(
+        [sys.executable, "-c", PROGRAM, str(target)],
+        check=True,
+        env={**os.environ, "PYTHONPATH": path, **environment},
+    )
+    with np.load(target) as stored:
+        return dict(stored)
+
+
+def test_compiled_and_interpreted_kernels_agree(tmp_path):
+    compiled = run(tmp_path / "compiled.npz")
+    interpreted = run(tmp_path / "interpreted.npz", NUMBA_DISABLE_JIT="1")
+    assert len(compiled) == 8
+    for name, value in compiled.items():
+        size = max(1.0, float(np.abs(value).max()))
+        assert np.abs(value - interpreted[name]).max() < 1e-13 * size, name
