@@ -71,8 +71,8 @@ class WheelFeedback:
         law = AttitudeFeedback(
             bandwidth**2 * nonstandard, 2.0 * damping * bandwidth, gyrostat.inertia
         )
-        allocation = -np.linalg.pinv(np.where(healthy, gyrostat.wheels, 0.0))
-        allocation[~healthy] = 0.0
+        allocation = np.zeros((gyrostat.n_wheels, 3))
+        allocation[healthy] = -np.linalg.pinv(gyrostat.wheels[:, healthy])
         for name, value in (
             ("bandwidth", bandwidth), ("damping_ratio", damping), ("healthy", healthy),
             ("law", law), ("allocation", read_only(allocation)),
