@@ -107,19 +107,7 @@ setup(
             f"reference_governor = {NAME}.__main__:reference_governor",
             f"recorder = {NAME}.__main__:recorder",
         ],
-        # Another package adds a vehicle, a method or a governor by the same three groups.
-        f"{NAME}.plants": [f"rigid_body = {NAME}.loop.plants:RigidBodyPlant"],
-        f"{NAME}.controllers": [
-            f"shooting = {NAME}.loop.controllers:ShootingController",
-            f"neighboring_extremal = {NAME}.loop.neighboring:NeighboringExtremalController",
-            f"slsqp = {NAME}.loop.controllers:SlsqpController",
-            f"fsolve = {NAME}.loop.controllers:FsolveController",
-            f"terminal_set = {NAME}.loop.terminal_set:TerminalSetController",
-            f"feedback = {NAME}.loop.feedback:FeedbackController",
-        ],
-        f"{NAME}.governors": [
-            f"none = {NAME}.governors.pass_through:PassThroughGovernor",
-            f"attitude = {NAME}.governors.attitude:AttitudeGovernor",
-        ],
+        # Vehicles, methods and laws of this package are found in its folders; another package adds
+        # its own by the groups spacecraft_gnc.vehicles, .controllers and .governors.
     },
 )

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from spacecraft_gnc.scenario.checks_method import unread_by
+from spacecraft_gnc.scenario.checks_reads import unread_by
+from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE as RIGID_BODY
 
 INERTIA = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
 PLANT = {"inertia": INERTIA, "time_step": 0.4, "duration": 150.0}
@@ -23,5 +24,5 @@ CONTROLLER: Mapping[str, Any] = {
 
 def controller(**changes: Any) -> dict[str, Any]:
     """Return the section of the controller, without what the method of ``changes`` ignores."""
-    unread = set(unread_by(changes.get("method", "shooting"), CONTROLLER))
+    unread = set(unread_by(RIGID_BODY, changes.get("method", "shooting"), CONTROLLER))
     return {name: v for name, v in CONTROLLER.items() if name not in unread} | changes

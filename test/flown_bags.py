@@ -17,9 +17,9 @@ from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp import Status, linearize
 from spacecraft_gnc.ocp.assembly import assemble
 from spacecraft_gnc.ocp.rollout import Horizon
+from spacecraft_gnc.parameters.declare import flatten, unflatten
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
-from spacecraft_gnc.scenario.declare import flatten, unflatten
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
 
 SECTIONS: dict[str, dict[str, Any]] = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from spacecraft_gnc.scenario import Scenario, load
-from spacecraft_gnc.scenario.checks_method import unread_by
+from spacecraft_gnc.scenario.checks_reads import unread_by
 
 
 def factors(scenario: Scenario, mass: float, time: float, cost: float) -> dict[str, float]:
@@ -53,7 +53,8 @@ def rescaled(
     scaled = dict(changes or {}) | own
     own_factors = factors(plain, *units)
     names = [name.partition(".")[2] for name in own_factors if name.startswith("nmpc_controller.")]
-    unread = {f"nmpc_controller.{name}" for name in unread_by(plain.controller.method, names)}
+    ignored = unread_by(plain.vehicle, plain.controller.method, names)
+    unread = {f"nmpc_controller.{name}" for name in ignored}
     for name, factor in own_factors.items():
         section, _, key = name.partition(".")
         if name in unread:

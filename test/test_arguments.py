@@ -46,7 +46,7 @@ from spacecraft_gnc.ocp import (
     fly_nominal,
     linearize,
 )
-from spacecraft_gnc.vehicles.rigid_body.controllers.feedback import FeedbackController
+from spacecraft_gnc.vehicles.rigid_body.controllers.feedback.controller import FeedbackController
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     ShootingController,
     SolverController,

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent / PACKAGE
 FILES = sorted(ROOT.rglob("*.py"))
 
 LAYERS = (
-    {"__init__", "errors", "extras", "arguments", "arrays"},
+    {"__init__", "errors", "extras", "arguments", "arrays", "lazy"},
     {"types", "_kernels"},
     {"solvability"},
     {"lie"},

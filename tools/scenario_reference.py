@@ -9,11 +9,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from spacecraft_gnc.parameters.parameter import MatrixRule, ParameterSpec
-from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.declare import declarations
-from spacecraft_gnc.scenario.schema import SECTIONS
+from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
+from spacecraft_gnc.scenario.schema import ROLES, schema_of
+from spacecraft_gnc.vehicles import registry
 
 ROOT = Path(__file__).resolve().parents[1]
+VEHICLE = registry.vehicle_of(DEFAULT_VEHICLE)
+SCHEMA = schema_of(VEHICLE)
 PAGE = ROOT / "docs" / "scenario.md"
 
 HEAD = """\
@@ -100,7 +102,7 @@ Numbers are kept with 12 digits. Where a node alone knows no inertia, J = I.
 
 def page() -> str:
     """Return the text of docs/scenario.md."""
-    return "\n".join([HEAD, FORMULAS, *(_section(name) for name in SECTIONS)])
+    return "\n".join([HEAD, FORMULAS, *(_section(name) for name in ROLES)])
 
 
 def _section(name: str) -> str:
@@ -109,8 +111,8 @@ def _section(name: str) -> str:
         "| parameter | type | default | unit | admissible | meaning |",
         "|---|---|---|---|---|---|",
     ]
-    zones = ("<name>",)
-    for key, spec in declarations(name, zones):
+    elements = {field: ("<name>",) for field, _ in SCHEMA.named_groups(name)}
+    for key, spec in SCHEMA.declarations(name, elements):
         cells = (
             f"`{key}`", _type(spec), _default(spec), spec.unit, _admissible(spec), spec.description
         )  # fmt: skip
@@ -133,7 +135,7 @@ def _admissible(spec: ParameterSpec) -> str:
     if spec.choices:
         words.append(", ".join(spec.choices))
     if spec.plugins:
-        words.append(", ".join(registry.BUILT_IN[spec.plugins]) + " or a plug-in")
+        words.append(", ".join(registry.own_names(spec.plugins, VEHICLE)) + " or a plug-in")
     if spec.matrix is not MatrixRule.NONE:
         words.append(spec.matrix.value)
     bounds = ((">=", spec.minimum), (">", spec.above), ("<=", spec.maximum), ("<", spec.below))

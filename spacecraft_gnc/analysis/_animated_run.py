@@ -14,7 +14,7 @@ from spacecraft_gnc.types import Array
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario import Scenario
-    from spacecraft_gnc.scenario.schema import ZoneParameters
+    from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 DASHES = ("-", (0, (4.0, 1.5)), (0, (1.5, 1.0)))
 

@@ -20,7 +20,7 @@ from spacecraft_gnc.types import Array
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario import Scenario
-    from spacecraft_gnc.scenario.schema import ControllerParameters
+    from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
 
 SETTLE_THRESHOLDS_DEG: Final = (5.0, 1.0, 0.1)
 _SATURATION = 1.0 - 1e-6  # share of the limit: the penalty lets the norm end just beside it

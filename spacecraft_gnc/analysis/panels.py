@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from spacecraft_gnc.loop.trajectory import Trajectory
-    from spacecraft_gnc.scenario.schema import ZoneParameters
+    from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 _COMPONENTS = "xyz"
 _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale hides the median

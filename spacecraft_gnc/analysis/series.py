@@ -17,11 +17,11 @@ from spacecraft_gnc.types import Array
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario import Scenario
-    from spacecraft_gnc.scenario.schema import (
+    from spacecraft_gnc.vehicles.rigid_body.controllers.methods import (
         ControllerParameters,
         WeightParameters,
-        ZoneParameters,
     )
+    from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 STALLED: Final = 6
 ESCAPING: Final = 7

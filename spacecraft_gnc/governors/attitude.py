@@ -10,7 +10,6 @@ Source: Kalabic et al. 2014, (11), (14), (15) and Algorithm 1.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -29,9 +28,6 @@ from spacecraft_gnc.types import (
     as_rotation,
     read_only,
 )
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
 
 # A loop that is that near to its reference [rad] for so many steps, and gains nothing, is stuck.
 _AT_REST = 1e-3
@@ -99,33 +95,6 @@ class AttitudeGovernor:
             self._first = as_rotation("initial_reference", initial_reference)
             reference_set.require("initial_reference", self._first)
         self.reset()
-
-    @classmethod
-    def from_scenario(cls, scenario: Scenario) -> AttitudeGovernor:
-        """Build the governor of a scenario's section ``reference_governor``.
-
-        Raises
-        ------
-        GncError
-            If a parameter is refused, or the loop violates a constraint from its start even while
-            the initial reference is held.
-        """
-        g, reference_set = scenario.governor, ReferenceSet.from_scenario(scenario)
-        given = bool(np.isfinite(g.initial_reference_rotation_vector).all())
-        governor = cls(
-            _predictor_of(scenario, reference_set),
-            reference_set,
-            lie.exp(g.target_rotation_vector),
-            planner=_planner_of(scenario, reference_set),
-            initial_reference=lie.exp(g.initial_reference_rotation_vector) if given else None,
-            alpha_tolerance=g.alpha_tolerance,
-            cut_point_shift=g.cut_point_shift,
-        )
-        if "plant" in scenario.sections:
-            p = scenario.plant
-            start = State(0, lie.exp(p.initial_rotation_vector), np.array(p.initial_momentum))
-            governor.require_start(start)
-        return governor
 
     @property
     def target(self) -> Matrix3:
@@ -265,21 +234,3 @@ class AttitudeGovernor:
         self._idle = self._idle + 1 if step.kept is None and resting else 0
         if self._idle >= _PATIENCE and self._planned_from is not held:
             self._plan(held)
-
-
-def _predictor_of(scenario: Scenario, reference_set: ReferenceSet) -> Predictor:
-    if scenario.controller.method == "feedback":
-        from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
-
-        return FeedbackPredictor.from_scenario(scenario, reference_set)
-    from spacecraft_gnc.governors.controller_loop import ControllerLoopPredictor
-
-    return ControllerLoopPredictor.from_scenario(scenario)
-
-
-def _planner_of(scenario: Scenario, reference_set: ReferenceSet) -> Planner | None:
-    if not scenario.governor.route or not reference_set.zones:
-        return None
-    from spacecraft_gnc.governors.route import RoutePlanner
-
-    return RoutePlanner(reference_set, math.radians(scenario.governor.route_clearance_deg))

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,16 +31,12 @@ from spacecraft_gnc.governors._flight_kernels import (
     fly,
     violates,
 )
-from spacecraft_gnc.governors.prediction import Prediction
+from spacecraft_gnc.governors.prediction import Controller, Prediction
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
 from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.solvability import largest_step
 from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3, as_rotation
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.loop.protocols import Controller
-    from spacecraft_gnc.scenario import Scenario
 
 # Room [rad, share of a limit] that a new reference needs where the controller flown remembers more
 # than the one that predicts: its neighbouring extremals and warm starts give other last digits.
@@ -126,25 +121,6 @@ class ControllerLoopPredictor:
         self._rows = np.empty((7, 3))
         self._worst = np.empty(3)
         self.horizon = horizon or self._measured_horizon(np.asarray(target))
-
-    @classmethod
-    def from_scenario(cls, scenario: Scenario) -> ControllerLoopPredictor:
-        """Build the predictor of a scenario's loop, compiled where its method has that."""
-        c, g = scenario.controller, scenario.governor
-        controller = scenario.build_controller()
-        solver = getattr(controller, "solver", None)
-        compiled = c.method == "shooting" and isinstance(solver, ShootingSolver)
-        kind = ShootingLoopPredictor if compiled else cls
-        return kind(
-            controller,
-            RigidBody(scenario.plant.inertia, scenario.plant.time_step),
-            scenario.substeps,
-            ReferenceSet.from_scenario(scenario),
-            lie.exp(g.target_rotation_vector),
-            max_torque=g.max_torque,
-            max_momentum=g.max_momentum,
-            horizon=g.prediction_horizon,
-        )
 
     def warm_up(self) -> None:
         """Load everything that a prediction needs."""

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -38,9 +37,6 @@ from spacecraft_gnc.types import (
     as_semidefinite,
     read_only,
 )
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
 
 # Bandwidth of the fallback's gains in units of 1/period: slow enough for a sampled body.
 BANDWIDTH = 0.05
@@ -102,12 +98,6 @@ class AttitudeFeedback:
         bandwidth = BANDWIDTH / require_positive("period", period)
         gain = 0.5 * bandwidth**2 * as_inertia("inertia", inertia)
         return cls(gain, 2.0 * bandwidth, inertia, max_torque)
-
-    @classmethod
-    def from_scenario(cls, scenario: Scenario) -> AttitudeFeedback:
-        """Build the law of a scenario's section ``nmpc_controller``."""
-        c = scenario.controller
-        return cls(c.feedback_attitude_gain, c.feedback_momentum_gain, c.inertia, c.max_torque)
 
     @property
     def stiffness(self) -> Matrix3:

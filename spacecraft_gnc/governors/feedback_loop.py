@@ -8,8 +8,6 @@ whatever comes later is not seen.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,9 +19,6 @@ from spacecraft_gnc.governors.prediction import Prediction
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.tail import Limits, Loop, Tail, horizon_of, tail_of
 from spacecraft_gnc.types import Matrix3, State
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
 
 # Default level of the invariant set, as a share of the lowest unstable equilibrium's.
 _LEVEL = 0.98
@@ -109,28 +104,6 @@ class FeedbackPredictor:
             *self.loop.arguments, np.array(self.limits), reference_set.rows, tail
         )  # fmt: skip
         self._states = np.zeros((7, 3))
-
-    @classmethod
-    def from_scenario(
-        cls, scenario: Scenario, reference_set: ReferenceSet, horizon: int | None = None
-    ) -> FeedbackPredictor:
-        """Build the predictor of a scenario whose method is ``feedback``.
-
-        The body is the plant's, whatever inertia the controller believes. ``horizon`` takes the
-        place of ``reference_governor.prediction_horizon``.
-        """
-        g = scenario.governor
-        law = AttitudeFeedback.from_scenario(scenario)
-        return cls(
-            replace(law, inertia=scenario.plant.inertia),  # the gains stay those that are flown
-            scenario.plant.time_step,
-            scenario.substeps,
-            reference_set,
-            max_torque=g.max_torque,
-            max_momentum=g.max_momentum,
-            level=g.lyapunov_level,
-            horizon=g.prediction_horizon if horizon is None else horizon,
-        )
 
     def warm_up(self) -> None:
         """Load the kernel."""

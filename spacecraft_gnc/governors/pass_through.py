@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacecraft_gnc import lie
 from spacecraft_gnc.types import (
     ArrayLike,
     GovernorDecision,
@@ -17,9 +15,6 @@ from spacecraft_gnc.types import (
     as_rotation,
     read_only,
 )
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
 
 
 class PassThroughGovernor:
@@ -38,11 +33,6 @@ class PassThroughGovernor:
         self._initial = as_rotation("target", target)
         self._target = self._initial
         self._decision = self._decide()
-
-    @classmethod
-    def from_scenario(cls, scenario: Scenario) -> PassThroughGovernor:
-        """Build the governor of a scenario's section ``reference_governor``."""
-        return cls(lie.exp(scenario.governor.target_rotation_vector))
 
     @property
     def target(self) -> Matrix3:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple, Protocol
 
-from spacecraft_gnc.types import Matrix3, State
+from spacecraft_gnc.types import Matrix3, Reference, State, Vector3
 
 UNITS: Final = {
     "torque limit": "N m",
@@ -31,6 +31,37 @@ class Prediction(NamedTuple):
     "convergence", "solver", or a zone's name."""
     violation_step: int
     """First predicted step that violates, 0 = now; -1 where none does."""
+
+
+class Commanded(Protocol):
+    """What a predictor reads of a command."""
+
+    @property
+    def torque(self) -> Vector3:
+        """Body torque (3,) [N m]."""
+
+    @property
+    def is_fallback(self) -> bool:
+        """Whether the torque stands in for one that the method did not find."""
+
+
+class Controller(Protocol):
+    """What a predictor flies: a controller of attitude (`loop.protocols.Controller`)."""
+
+    name: str
+    period: float
+    """Control period [s]."""
+    slow: bool
+    """Whether a command may take longer than some milliseconds."""
+
+    def warm_up(self) -> None:
+        """Compile or load everything that `command` needs."""
+
+    def reset(self) -> None:
+        """Forget the past: the next command starts cold."""
+
+    def command(self, state: State, reference: Reference) -> Commanded:
+        """Return the command of the control step that starts at ``state``."""
 
 
 class Predictor(Protocol):

@@ -20,7 +20,6 @@ from spacecraft_gnc.types import Array, Matrix3, read_only
 
 if TYPE_CHECKING:
     from spacecraft_gnc.ocp.zones import PointingZone
-    from spacecraft_gnc.scenario import Scenario
 
 _OF_A_ZONE: Final = ("body_axis", "inertial_axis", "half_angle", "sign", "margin")
 
@@ -65,15 +64,6 @@ class ReferenceSet:
                 "each zone; leave them out for numbers"
             )
         self.rows = _rows(self.zones)
-
-    @classmethod
-    def from_scenario(cls, scenario: Scenario) -> ReferenceSet:
-        """Build the set from a scenario's zones and ``reference_governor.steady_margin_deg``."""
-        from spacecraft_gnc.ocp.zones import zones_of  # imports the solvers, slow
-
-        names = tuple(zone.name for zone in scenario.controller.zones)
-        margin = math.radians(scenario.governor.steady_margin_deg)
-        return cls(zones_of(scenario), margin, names)
 
     def margin(self, attitude: Matrix3) -> tuple[float, str]:
         """Return the smallest angle [rad] to a zone's border, and that zone's name.

@@ -14,7 +14,7 @@ have room for them.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
@@ -22,11 +22,9 @@ from scipy.linalg import solve_discrete_lyapunov
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody, state_units
 from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.governors.prediction import Controller
 from spacecraft_gnc.ocp.linearization import deviation
 from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.loop.protocols import Controller
 
 PROBE = 1e-4  # size of the differences [rad, and momentum of that angle in one period]
 LARGEST_ERROR = math.radians(1.0)  # up to here, or less where measured, the loop counts as linear

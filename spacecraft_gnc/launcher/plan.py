@@ -13,15 +13,16 @@ from typing import Any, ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.launcher.environment import require_middleware
+from spacecraft_gnc.parameters.checked import plain_values
+from spacecraft_gnc.parameters.declare import flatten
+from spacecraft_gnc.parameters.sections import NODE_NAMES
 from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.parameters.yaml_scalar import emit
 from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
 from spacecraft_gnc.scenario import Scenario, load
-from spacecraft_gnc.scenario.checked import plain_values
-from spacecraft_gnc.scenario.declare import flatten
 from spacecraft_gnc.scenario.node_sections import add_file, add_option, given_to, node_names
 from spacecraft_gnc.scenario.overrides import replaces_duration
-from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
+from spacecraft_gnc.scenario.schema import ROLES
 from spacecraft_gnc.scenario.shipped import find
 
 PLANT: Final = "plant"
@@ -160,11 +161,11 @@ def _is_read_as(scenario: Scenario, path: Path) -> bool:
     for option in node_options(False, bag):
         add_option(sections, option)
     given = plain_values(given_to(sections, node_names()))
-    wanted = {name: flatten(scenario.sections.get(name, {})) for name in SECTIONS}
+    wanted = {name: flatten(scenario.sections.get(name, {})) for name in ROLES}
     for name in NODE_NAMES:
         wanted[name]["autostart"] = False
     wanted[RECORDER]["storage_folder"] = str(bag)
-    return {name: given.get(name, {}) for name in SECTIONS} == wanted
+    return {name: given.get(name, {}) for name in ROLES} == wanted
 
 
 def _require_utf8(*paths: Path | None) -> None:

@@ -12,8 +12,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from spacecraft_gnc.ros.cdr import encode
 from spacecraft_gnc.ros.topics import INERTIAL_FRAME
-from spacecraft_gnc.scenario.schema import ZoneParameters
 from spacecraft_gnc.types import Vector3
+from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 _EDGES = 36  # of the circle at the mouth of a cone
 _RADIUS = 1.0  # [m] length of a cone's side

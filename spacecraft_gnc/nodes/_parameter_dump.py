@@ -13,7 +13,7 @@ from rclpy.parameter import parameter_value_to_python
 from rclpy.timer import Timer
 
 from spacecraft_gnc.nodes._node import GncNode
-from spacecraft_gnc.scenario.declare import unflatten
+from spacecraft_gnc.parameters.declare import unflatten
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
 
 _TICK: Final = 0.02  # [s] wall between two looks for the services of a node

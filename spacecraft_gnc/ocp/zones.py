@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from spacecraft_gnc.arguments import (
 )
 from spacecraft_gnc.arrays import as_stack
 from spacecraft_gnc.types import Array, ArrayLike, unit_vector
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,17 +77,3 @@ def as_zones(zones: Iterable[PointingZone]) -> tuple[PointingZone, ...]:
     """Return zones as a tuple; raise ParameterError if one of them is none."""
     given = as_tuple("zones", zones, "PointingZone")
     return tuple(require_kind(f"zones[{i}]", zone, PointingZone) for i, zone in enumerate(given))
-
-
-def zones_of(scenario: Scenario) -> tuple[PointingZone, ...]:
-    """Return the zones of a scenario's section ``nmpc_controller``."""
-    return tuple(
-        PointingZone(
-            "inclusion" if zone.kind == "inclusion" else "exclusion",
-            zone.body_axis,
-            zone.inertial_axis,
-            math.radians(zone.half_angle_deg),
-            zone.penalty,
-        )
-        for zone in scenario.controller.zones
-    )

@@ -1,8 +1,9 @@
-"""The vocabulary in which `schema` describes a parameter.
+"""Declaration of one parameter: type, unit, admissible values and description.
 
-A parameter is a dataclass field whose metadata holds one `ParameterSpec`. Nothing else in the
-package states a type, a unit, a range or a description again: the YAML check, the ROS 2 declaration
-and the table in the documentation are all derived from it.
+A parameter is a dataclass field whose metadata holds one `ParameterSpec`; a dataclass of them is a
+section, and may hold groups of further ones. Nothing else in the package states a type, a unit, a
+range or a description again: the YAML check, the ROS 2 declaration and the table in the
+documentation are all derived from it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -32,6 +33,7 @@ ANGLES: Final = {"minimum": -1e3, "maximum": 1e3}
 """[rad] of a component of a rotation vector: longer ones leave an attitude fewer digits."""
 
 _METADATA_KEY: Final = "spacecraft_gnc.parameter"
+_GROUP_KEY: Final = "spacecraft_gnc.group"
 
 
 class Kind(Enum):
@@ -77,7 +79,7 @@ class ParameterSpec:
     choices: tuple[str, ...] = ()
     """The only words allowed (for a string array: as elements)."""
     plugins: str = ""
-    """Registry group that knows the names allowed; empty where none does."""
+    """Registry group that knows the names allowed (`vehicles.registry`); empty where none does."""
     shape: tuple[int, ...] = ()
     """(): scalar, (3,), (3, 3) given as 9 numbers row-major, (-1,): any length, (3, -1): 3 rows."""
     may_be_empty: bool = False
@@ -90,6 +92,8 @@ class ParameterSpec:
     formula: str = ""
     """How the default follows from other values, in words; `defaults` works it out in a scenario.
     Where there is none, ``default`` stands for it."""
+    otherwise: str = ""
+    """Parameter, ``section.name``, whose value counts where this one has its default."""
     read_only: bool = True
     """The value is fixed once the node is configured."""
 
@@ -179,6 +183,63 @@ def specs_of(section: type) -> Iterator[tuple[str, ParameterSpec]]:
             yield field.name, field.metadata[_METADATA_KEY]
 
 
+class Group(NamedTuple):
+    """Parameters nested in a section, ``weights.<parameter>`` or ``zones.<name>.<parameter>``."""
+
+    parameters: type
+    """Dataclass of them; where there is one group for each name, it has a field ``name``."""
+    names: str = ""
+    """String array of the section that lists the names; empty where there is one group only."""
+    noun: str = ""
+    """What a name stands for, such as ``zone``."""
+
+
+def group(parameters: type) -> Any:
+    """Return a dataclass field that holds a group, ``<field>.<parameter>`` in a file."""
+    return dataclasses.field(default_factory=parameters, metadata={_GROUP_KEY: Group(parameters)})
+
+
+def named_groups(parameters: type, names: str, noun: str) -> Any:
+    """Return a field that holds a tuple of groups, ``<field>.<name>.<parameter>`` in a file."""
+    return dataclasses.field(default=(), metadata={_GROUP_KEY: Group(parameters, names, noun)})
+
+
+def groups_of(section: type) -> Iterator[tuple[str, Group]]:
+    """Yield (field, group) of the groups of a section class."""
+    for field in dataclasses.fields(section):
+        if _GROUP_KEY in field.metadata:
+            yield field.name, field.metadata[_GROUP_KEY]
+
+
+def names_of(section: type) -> frozenset[str]:
+    """Return the dotted names of a section class, without those of named groups."""
+    nested = {
+        f"{field}.{name}"
+        for field, (parameters, names, _) in groups_of(section)
+        if not names
+        for name in names_of(parameters)
+    }
+    return frozenset(nested | {name for name, _ in specs_of(section)})
+
+
+def typed_section(section: type, values: Mapping[str, Value], **further: Any) -> Any:
+    """Return an instance of a section class from admissible values by dotted name."""
+    fields = {name: typed(spec, values[name]) for name, spec in specs_of(section)}
+    for field, (parameters, names, _) in groups_of(section):
+        if names:
+            fields[field] = tuple(
+                typed_section(parameters, _beneath(f"{field}.{name}.", values), name=name)
+                for name in fields[names]
+            )
+        else:
+            fields[field] = typed_section(parameters, _beneath(f"{field}.", values))
+    return section(**fields, **further)
+
+
+def _beneath(prefix: str, values: Mapping[str, Value]) -> dict[str, Value]:
+    return {n.removeprefix(prefix): v for n, v in values.items() if n.startswith(prefix)}
+
+
 def typed(spec: ParameterSpec, value: Value) -> Any:
     """Return an admissible ROS 2 value as the core wants it.
 
@@ -203,7 +264,7 @@ def _default_factory(spec: ParameterSpec) -> Callable[[], Any]:
     return lambda: typed(spec, spec.default)
 
 
-@dataclasses.dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class NodeParameters:
     """What every node has."""
 

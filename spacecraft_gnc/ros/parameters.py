@@ -12,11 +12,10 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
+from spacecraft_gnc.parameters.checked import plain_values
 from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, Value
 from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.scenario import InvalidScenario, Problem, Scenario, from_sections
-from spacecraft_gnc.scenario.checked import plain_values
-from spacecraft_gnc.scenario.declare import declarations
 from spacecraft_gnc.scenario.node_sections import (
     OPTION,
     add_file,
@@ -113,21 +112,10 @@ def given_parameters(node: Node) -> dict[str, Any]:
 
 def _declare(node: Node, section: str, scenario: Scenario) -> None:
     """Declare every parameter with type, range, unit and description, holding its checked value."""
-    own = getattr(scenario, _ATTRIBUTES[section])
-    zones = getattr(scenario.controller, "zones", ())
-    names = [zone.name for zone in zones]
-    for name, spec in declarations(section, names, own.plugin):
+    for name, spec in scenario.declarations(section):
         value = scenario.values[section][name]
         if not node.has_parameter(name):  # else declared by an earlier configure
             node.declare_parameter(name, _ros_value(spec, value), _descriptor(spec), True)
-
-
-_ATTRIBUTES = {
-    "plant": "plant",
-    "nmpc_controller": "controller",
-    "reference_governor": "governor",
-    "recorder": "recorder",
-}
 
 
 def _ros_value(spec: ParameterSpec, value: Value) -> Any:

@@ -1,45 +1,41 @@
 """What no value shows by itself: whether the values of a scenario fit together.
 
 Every check stays silent where a value that it needs was refused already. NumPy is all that is
-needed: no kernel is compiled to say that a file is wrong.
+needed: no kernel is compiled to say that a file is wrong. What concerns one vehicle only, the
+vehicle checks itself.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from typing import Final
 
-import numpy as np
-
-from spacecraft_gnc.parameters.parameter import Value, specs_of
-from spacecraft_gnc.parameters.problems import shown, suggestion
-from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.checked import Checked
-from spacecraft_gnc.scenario.checks_governor import check_governor_parameters
-from spacecraft_gnc.scenario.checks_method import check_method
-from spacecraft_gnc.scenario.schema import SECTIONS, PlantParameters
-from spacecraft_gnc.solvability import largest_free_step
-from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.checks.pointing import check_pointing
-from spacecraft_gnc.vehicles.rigid_body.checks.target import check_target
-from spacecraft_gnc.vehicles.rigid_body.checks.torque import check_torque
+from spacecraft_gnc.parameters.checked import Checked
+from spacecraft_gnc.parameters.parameter import Group, specs_of
+from spacecraft_gnc.parameters.problems import InvalidScenario, shown, suggestion
+from spacecraft_gnc.scenario.checks_reads import check_reads
+from spacecraft_gnc.scenario.schema import schema_of
+from spacecraft_gnc.vehicles import registry
+from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 MAXIMUM_STEPS = 10**9
 _STEP_TOLERANCE = 1e-12  # relative; the closed loop compares the periods as strictly
-_ZONE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_ELEMENT_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_MOST_LISTED: Final = 3  # parameters of another vehicle that a line names
 
 
-def check_all(checked: Checked) -> None:
+def check_all(checked: Checked, vehicle: Vehicle) -> None:
     """Add a problem for each pair of values that do not fit together."""
-    _check_names(checked)
-    check_method(checked)
-    check_governor_parameters(checked)
-    _check_zones(checked)
-    _check_inertia(checked)
+    _check_unknown(checked, vehicle)
+    _check_names(checked, vehicle)
+    check_reads(checked, vehicle)
+    for section in checked.schema.sections:
+        for field, group in checked.schema.named_groups(section):
+            _check_elements(checked, section, field, group)
     _check_times(checked)
-    _check_momentum(checked)
-    check_pointing(checked)
-    check_target(checked)
-    check_torque(checked)
+    if vehicle.checks is not None:
+        vehicle.checks.load()(checked)
 
 
 def steps_in(period: float, step: float) -> int | None:
@@ -51,49 +47,85 @@ def steps_in(period: float, step: float) -> int | None:
     return count if count >= 1 and abs(ratio - count) <= _STEP_TOLERANCE * count else None
 
 
-def _check_names(checked: Checked) -> None:
-    for section, parameters in SECTIONS.items():
+def _check_unknown(checked: Checked, vehicle: Vehicle) -> None:
+    """Complain of unknown parameters, at once of those that belong to another vehicle."""
+    schema = checked.schema
+    other = _other_vehicle(checked, vehicle)
+    foreign = [] if other is None else _known_to(other, checked.unknown)
+    if other is not None:
+        listed = ", ".join(f"{s}.{n}" for s, n in foreign[:_MOST_LISTED])
+        more = len(foreign) - _MOST_LISTED
+        beside = f"{listed} and {more} more" if more > 0 else listed
+        value = f"{shown(vehicle.name)} beside parameters of vehicle {other.name} ({beside})"
+        need = "sections of one vehicle"
+        remedy = f"set vehicle: {other.name}, or remove them"
+        checked.complain("plant", "vehicle", value, need, remedy)
+    for section, name in checked.unknown:
+        if (section, name) in foreign:
+            continue
+        elsewhere = [s for s in schema.sections if name in schema.known_names(s)]
+        known = schema.known_names(section, like=name)
+        remedy = f"move it to {elsewhere[0]}" if elsewhere else suggestion(name, known)
+        need = f"a parameter of {section}"
+        checked.complain(section, name, "an unknown parameter", need, remedy)
+
+
+def _other_vehicle(checked: Checked, vehicle: Vehicle) -> Vehicle | None:
+    """Return the vehicle that knows the most of what this one does not know; None: no one does."""
+    if not checked.unknown:
+        return None
+    others = (other for other in _vehicles() if other.name != vehicle.name)
+    counted = [(len(_known_to(other, checked.unknown)), other) for other in others]
+    most, best = max(counted, key=lambda pair: pair[0], default=(0, None))
+    return best if most else None
+
+
+def _vehicles() -> Iterator[Vehicle]:
+    """Yield every vehicle that can be imported."""
+    for name in registry.names(registry.VEHICLES):
+        try:
+            yield registry.vehicle_of(name)
+        except InvalidScenario:
+            continue
+
+
+def _known_to(vehicle: Vehicle, names: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    schema = schema_of(vehicle)
+    return [(s, name) for s, name in names if schema.spec_of(s, name, None) is not None]
+
+
+def _check_names(checked: Checked, vehicle: Vehicle) -> None:
+    for section, parameters in checked.schema.sections.items():
         for name, spec in specs_of(parameters):
             value = checked.get(section, name)
             if not spec.plugins or not isinstance(value, str):
                 continue
-            if not registry.is_known(spec.plugins, value):
-                known = registry.names(spec.plugins)
+            if not registry.is_known(spec.plugins, value, vehicle):
+                known = registry.names(spec.plugins, vehicle)
                 need = f"one of {', '.join(known)}"
                 checked.complain(section, name, shown(value), need, suggestion(value, known))
 
 
-def _check_zones(checked: Checked) -> None:
-    listed = checked.get("nmpc_controller", "zone_names")
+def _check_elements(checked: Checked, section: str, field: str, group: Group) -> None:
+    """Check that the groups which are listed, such as zones, are those which are defined."""
+    listed = checked.get(section, group.names)
     if not isinstance(listed, list):
         return
-    defined = checked.zone_names()
+    defined = checked.elements(section, field)
     for name in listed:
-        if not _ZONE_NAME.fullmatch(name):
+        if not _ELEMENT_NAME.fullmatch(name):
             need = "a name of letters, digits and _ that starts with no digit"
-            checked.complain("nmpc_controller", "zone_names", shown(name), need, "rename the zone")
+            checked.complain(section, group.names, shown(name), need, f"rename the {group.noun}")
         elif name not in defined:
-            need = f"its definition under zones.{name}"
-            remedy = f"define it, or remove {name!r} from zone_names"
-            checked.complain("nmpc_controller", "zone_names", shown(name), need, remedy)
+            need = f"its definition under {field}.{name}"
+            remedy = f"define it, or remove {name!r} from {group.names}"
+            checked.complain(section, group.names, shown(name), need, remedy)
     for name in defined:
         if name not in listed:
-            field = next(key for key in checked.given["nmpc_controller"] if f"zones.{name}." in key)
-            need = f"{name!r} among zone_names"
-            remedy = f"add it to zone_names, or remove zones.{name}"
-            checked.complain("nmpc_controller", field, "a zone that is not listed", need, remedy)
-
-
-def _check_inertia(checked: Checked) -> None:
-    """Ask for the plant's inertia where the plant, or a controller without its own, needs it."""
-    value = checked.get("plant", "inertia")
-    needed = "plant" in checked.given or (
-        "nmpc_controller" in checked.given and checked.get("nmpc_controller", "inertia") == []
-    )
-    if value == [] and needed:
-        spec = dict(specs_of(PlantParameters))["inertia"]
-        remedy = "add it, such as [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]"
-        checked.complain("plant", "inertia", "nothing", spec.requirement, remedy)
+            key = next(key for key in checked.given[section] if f"{field}.{name}." in key)
+            need = f"{name!r} among {group.names}"
+            remedy = f"add it to {group.names}, or remove {field}.{name}"
+            checked.complain(section, key, f"a {group.noun} that is not listed", need, remedy)
 
 
 def _check_times(checked: Checked) -> None:
@@ -117,25 +149,3 @@ def _check_times(checked: Checked) -> None:
     elif duration / period > MAXIMUM_STEPS:
         need = f"at most {MAXIMUM_STEPS:.0e} control steps of {period:g} s"
         checked.complain("plant", "duration", f"{duration!r} s", need, "shorten it")
-
-
-def _check_momentum(checked: Checked) -> None:
-    """Check Kalabic (3) for the plant's step, and for the controller's prediction step."""
-    momentum = checked.get("plant", "initial_momentum")
-    inertia = checked.get("plant", "inertia")
-    believed = checked.get("nmpc_controller", "inertia") or inertia
-    for section, body in (("plant", inertia), ("nmpc_controller", believed)):
-        step = checked.get(section, "time_step")
-        if body and momentum and isinstance(step, float) and step > 0.0:
-            largest = largest_free_step(_matrix(body), np.array(momentum))
-            if step > largest:
-                need = (
-                    "(h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)) in free motion from "
-                    f"plant.initial_momentum {shown(momentum)}: less than {largest:.6g} s"
-                )
-                remedy = "use a smaller time step, or less momentum"
-                checked.complain(section, "time_step", f"{step!r} s", need, remedy)
-
-
-def _matrix(value: Value) -> Array:
-    return np.array(value, dtype=np.float64).reshape(3, 3)

@@ -11,16 +11,15 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from spacecraft_gnc.parameters.parameter import Kind, Value, typed
 from spacecraft_gnc.parameters.yaml_scalar import emit
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.parameters.parameter import Value
     from spacecraft_gnc.scenario.scenario import Scenario
 
 FLOWN: Final = ("plant", "nmpc_controller", "reference_governor")
 """Sections that decide what is flown; the others say what is started and recorded."""
 _SET_BY_LAUNCHER: Final = ("autostart", "peers")
-_WEIGHTS: Final = "weights."
 _DIGITS: Final = 12
 _NOTHING: Final = "-"
 
@@ -53,16 +52,15 @@ def flown_values(scenario: Scenario) -> dict[str, str]:
 
 
 def _emitted(scenario: Scenario, section: str, name: str, value: Value) -> str:
-    """Return a value as YAML, in one form: filled in from the plant, s for the weight s I."""
-    controller = scenario.controller
-    if section == "nmpc_controller" and name == "inertia":
-        return emit([*controller.inertia.ravel().tolist()])
-    if section == "nmpc_controller" and name == "time_step":
-        return emit(controller.time_step)
-    if name.startswith(_WEIGHTS):
-        weight = np.asarray(getattr(controller.weights, name.removeprefix(_WEIGHTS)))
-        isotropic = np.array_equal(weight, weight[0, 0] * np.eye(3))
-        return emit((weight[0, 0] if isotropic else weight.ravel()).tolist())
+    """Return a value as YAML, in one form: that of a parameter left open, s for the matrix s I."""
+    spec = scenario.schema.spec_of(section, name, value)
+    if spec is not None and spec.otherwise and value == spec.default:
+        other, _, key = spec.otherwise.partition(".")
+        value = scenario.values[other][key]
+    if spec is not None and spec.kind is Kind.DYNAMIC:
+        matrix = typed(spec, value)
+        isotropic = np.array_equal(matrix, matrix[0, 0] * np.eye(len(matrix)))
+        return emit((matrix[0, 0] if isotropic else matrix.ravel()).tolist())
     return emit(value)
 
 

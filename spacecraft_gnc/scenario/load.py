@@ -7,14 +7,15 @@ from pathlib import Path
 from typing import Any, Final
 
 from spacecraft_gnc.arguments import require_kind, require_path
-from spacecraft_gnc.parameters.parameter import Value, specs_of, typed
+from spacecraft_gnc.parameters.checked import check_values, plain_values
+from spacecraft_gnc.parameters.declare import Schema, flatten, unflatten
+from spacecraft_gnc.parameters.parameter import Value
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggestion
 from spacecraft_gnc.parameters.values import plain
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, read
-from spacecraft_gnc.scenario.checked import Checked, check_values, plain_values
 from spacecraft_gnc.scenario.checks import check_all
-from spacecraft_gnc.scenario.checks_method import unread_by
-from spacecraft_gnc.scenario.declare import flatten, spec_of, unflatten
+from spacecraft_gnc.scenario.checks_reads import unread_by
+from spacecraft_gnc.scenario.defaults import Stated, fill_in
 from spacecraft_gnc.scenario.node_sections import (
     ROOT,
     add_file,
@@ -22,21 +23,13 @@ from spacecraft_gnc.scenario.node_sections import (
     namespace_of,
     node_names,
     unread,
+    vehicle_in,
 )
 from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.scenario import Scenario
-from spacecraft_gnc.scenario.schema import (
-    SECTIONS,
-    ControllerParameters,
-    GovernorParameters,
-    LauncherParameters,
-    PlantParameters,
-    RecorderParameters,
-    WeightParameters,
-    ZoneParameters,
-)
+from spacecraft_gnc.scenario.schema import ROLES, schema_of, vehicle_given
 from spacecraft_gnc.scenario.shipped import find
-from spacecraft_gnc.vehicles.rigid_body.parameters.defaults import Stated, fill_in
+from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 _CONTROLLER: Final = "nmpc_controller"
 
@@ -59,13 +52,19 @@ def load(path: str | Path, overrides: Overrides = (), namespace: str | None = No
         With every problem of the file and of the overrides at once.
     """
     file = find(require_path("path", path))
-    sections, problems = read(file, tuple(SECTIONS))
+    sections, problems = read(file, ROLES)
     nodes = node_names(namespace_of(sections, str(file)) if namespace is None else namespace)
-    given = given_to(sections, nodes, problems)
+    laid_over: Given = {}
+    apply(overrides, laid_over, problems)
+    plant = laid_over.get("plant", {})
+    vehicle = vehicle_in(sections, nodes, str(file))
+    if "vehicle" in plant:
+        vehicle = vehicle_given(plant, str(file))
+    given = given_to(sections, nodes, problems, vehicle)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
-    apply(overrides, given, problems)
-    warnings = _warnings(sections, nodes, str(file)) + _leave_out_unread(given, str(file))
-    return _scenario(given, str(file), problems, warnings)
+    _lay_over(given, laid_over)
+    warnings = _warnings(sections, nodes, str(file)) + _leave_out_unread(vehicle, given, str(file))
+    return _scenario(vehicle, given, str(file), problems, warnings)
 
 
 def read_sections(
@@ -124,13 +123,14 @@ def from_sections(
     given: Given = {}
     problems: list[Problem] = []
     for section, values in require_kind("sections", sections, Mapping).items():
-        if section not in SECTIONS:
-            remedy = suggestion(section, tuple(SECTIONS))
-            need = f"one of {', '.join(SECTIONS)}"
+        if section not in ROLES:
+            remedy = suggestion(section, ROLES)
+            need = f"one of {', '.join(ROLES)}"
             problems.append(Problem(source, None, section, "an unknown node", need, remedy))
             continue
         given[section] = _entries(require_kind(section, values, Mapping), source)
-    return _scenario(given, source, problems, stated=stated)
+    vehicle = vehicle_given(given.get("plant", {}), source)
+    return _scenario(vehicle, given, source, problems, stated=stated)
 
 
 def revise(
@@ -171,12 +171,18 @@ def revise(
     unread: tuple[str, ...] = ()
     if chosen is not None and chosen.value != scenario.controller.method:
         changed = [name for name in given[_CONTROLLER] if not _is_default(scenario, name)]
-        unread = tuple(unread_by(str(chosen.value), changed))
+        unread = tuple(unread_by(scenario.vehicle, str(chosen.value), changed))
     for name in unread:
         del given[_CONTROLLER][name]
-    for section, entries in laid_over.items():
-        given.setdefault(section, {}).update(entries)
-    return _scenario(given, scenario.path, problems, stated=scenario.defaults), unread
+    _lay_over(given, laid_over)
+    vehicle = vehicle_given(given.get("plant", {}), scenario.path)
+    revised = _scenario(vehicle, given, scenario.path, problems, stated=scenario.defaults)
+    return revised, unread
+
+
+def _lay_over(given: Given, entries: Given) -> None:
+    for section, values in entries.items():
+        given.setdefault(section, {}).update(values)
 
 
 def _given_along_a_flight(scenario: Scenario) -> Given:
@@ -194,7 +200,7 @@ def _given_along_a_flight(scenario: Scenario) -> Given:
 
 def _is_default(scenario: Scenario, name: str) -> bool:
     value = scenario.values[_CONTROLLER][name]
-    spec = spec_of(_CONTROLLER, name, value)
+    spec = scenario.schema.spec_of(_CONTROLLER, name, value)
     default = None if spec is None else spec.default
     return value == scenario.defaults[_CONTROLLER].get(name, default)
 
@@ -214,46 +220,49 @@ def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[s
     return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []
 
 
-def _leave_out_unread(given: Given, file: str) -> list[str]:
+def _leave_out_unread(vehicle: Vehicle, given: Given, file: str) -> list[str]:
     """Take out of a file what a method that was laid over it does not read, and say so."""
     controller = given.get(_CONTROLLER, {})
     method = controller.get("method")
     if method is None or method.line is not None:
         return []
-    written = [n for n, entry in controller.items() if entry.line is not None and _says(n, entry)]
-    names = list(unread_by(str(method.value), written))
+    schema = schema_of(vehicle)
+    in_file = ((name, entry) for name, entry in controller.items() if entry.line is not None)
+    written = [name for name, entry in in_file if _says(schema, name, entry)]
+    names = list(unread_by(vehicle, str(method.value), written))
     for name in names:
         del controller[name]
     listed = ", ".join(names)
     return [f"{file}: not read by method {method.value}: {listed}"] if names else []
 
 
-def _says(name: str, entry: Entry) -> bool:
+def _says(schema: Schema, name: str, entry: Entry) -> bool:
     """Tell whether a value of the controller is another than a default that is always the same."""
-    spec = spec_of(_CONTROLLER, name, entry.value)
+    spec = schema.spec_of(_CONTROLLER, name, entry.value)
     return spec is None or bool(spec.formula) or entry.value != spec.default
 
 
 def _scenario(
+    vehicle: Vehicle,
     given: Given,
     source: str,
     problems: list[Problem],
     warnings: Sequence[str] = (),
     stated: Stated | None = None,
 ) -> Scenario:
-    checked = check_values(given, source, problems)
-    fill_in(checked, stated or {})
-    check_all(checked)
+    checked = check_values(schema_of(vehicle), given, source, problems)
+    fill_in(checked, vehicle, stated or {})
+    check_all(checked, vehicle)
     if problems:
         raise InvalidScenario(sorted(problems, key=_place))
-    plant = PlantParameters(**_typed(PlantParameters, checked, "plant"))
     sections = plain_values(checked.given)
     return Scenario(
-        plant=plant,
-        controller=_controller(checked, plant),
-        governor=GovernorParameters(**_typed(GovernorParameters, checked, "reference_governor")),
-        recorder=RecorderParameters(**_typed(RecorderParameters, checked, "recorder")),
-        launcher=LauncherParameters(**_typed(LauncherParameters, checked, "launcher")),
+        vehicle=vehicle,
+        plant=checked.section("plant"),
+        controller=checked.section("nmpc_controller"),
+        governor=checked.section("reference_governor"),
+        recorder=checked.section("recorder"),
+        launcher=checked.section("launcher"),
         path=source,
         sections={section: unflatten(values) for section, values in sections.items()},
         values=checked.values,
@@ -264,30 +273,3 @@ def _scenario(
 
 def _place(problem: Problem) -> tuple[str, int]:
     return problem.file, problem.line or 0
-
-
-def _controller(checked: Checked, plant: PlantParameters) -> ControllerParameters:
-    section = "nmpc_controller"
-    fields = _typed(ControllerParameters, checked, section)
-    if checked.get(section, "inertia") == []:
-        fields["inertia"] = plant.inertia
-    fields["time_step"] = fields["time_step"] or plant.time_step
-    zones = tuple(
-        ZoneParameters(name=name, **_typed_fields(ZoneParameters, checked, f"zones.{name}."))
-        for name in fields["zone_names"]
-    )
-    weights = WeightParameters(**_typed_fields(WeightParameters, checked, "weights."))
-    return ControllerParameters(**fields, weights=weights, zones=zones)
-
-
-def _typed_fields(parameters: type, checked: Checked, prefix: str) -> dict[str, Any]:
-    values = checked.values["nmpc_controller"]
-    return {name: typed(spec, values[prefix + name]) for name, spec in specs_of(parameters)}
-
-
-def _typed(parameters: type, checked: Checked, section: str) -> dict[str, Any]:
-    values = checked.values[section]
-    fields = {name: typed(spec, values[name]) for name, spec in specs_of(parameters)}
-    if section != "launcher":
-        fields["plugin"] = checked.plugin(section)
-    return fields

@@ -17,15 +17,21 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+from spacecraft_gnc.parameters.declare import Schema
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggestion
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, parse_value, read
-from spacecraft_gnc.scenario.declare import is_ros_own, known_names, spec_of
-from spacecraft_gnc.scenario.schema import SECTIONS
+from spacecraft_gnc.scenario.schema import (
+    LAUNCHER,
+    ROLES,
+    schema_of,
+    vehicle_entries,
+    vehicle_given,
+)
+from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 ROOT: Final = "/"
 OPTION: Final = "-p"
 """What an `Entry` has as its file where the value comes from the command line of a node."""
-_LAUNCHER: Final = "launcher"
 _EVERY_NODE: Final = "/**"
 
 
@@ -36,7 +42,7 @@ def node_names(namespace: str = ROOT) -> dict[str, str]:
     """
     prefix = namespace.strip("/")
     prefix = f"/{prefix}" if prefix else ""
-    return {f"{prefix}/{role}": role for role in SECTIONS} | {f"/{_LAUNCHER}": _LAUNCHER}
+    return {f"{prefix}/{role}": role for role in ROLES} | {f"/{LAUNCHER}": LAUNCHER}
 
 
 def matches(pattern: str, node: str) -> bool:
@@ -44,8 +50,24 @@ def matches(pattern: str, node: str) -> bool:
     return re.fullmatch(pattern.replace("/*", r"(/\w+)"), node, re.ASCII) is not None
 
 
+def vehicle_in(sections: Sections, nodes: Mapping[str, str], file: str) -> Vehicle:
+    """Return the vehicle that sections give the plant among the nodes.
+
+    Raises
+    ------
+    InvalidScenario
+        If it is unknown, or the plug-in behind it is broken.
+    """
+    plants = [name for name, role in nodes.items() if role == "plant"]
+    patterns = (p for p in sections if any(matches(p, name) for name in plants))
+    return vehicle_given(vehicle_entries(sections, patterns), file)
+
+
 def given_to(
-    sections: Sections, nodes: Mapping[str, str], problems: list[Problem] | None = None
+    sections: Sections,
+    nodes: Mapping[str, str],
+    problems: list[Problem] | None = None,
+    vehicle: Vehicle | None = None,
 ) -> Given:
     """Return what ROS 2 gives each of the nodes, by role.
 
@@ -60,19 +82,27 @@ def given_to(
         Full node name -> role.
     problems : list of Problem, optional
         Gets one more for each parameter of a wildcard that no node knows.
+    vehicle : Vehicle, optional
+        Where it is another than the one that the sections name.
+
+    Raises
+    ------
+    InvalidScenario
+        If the vehicle is unknown, or the plug-in behind it is broken.
     """
+    schema = schema_of(vehicle_in(sections, nodes, "") if vehicle is None else vehicle)
     given: Given = {}
     for pattern, entries in sections.items():
         roles = list(dict.fromkeys(r for name, r in nodes.items() if matches(pattern, name)))
         for name, entry in entries.items():
-            users = [role for role in roles if _knows(role, name, entry)]
+            users = [role for role in roles if _knows(schema, role, name, entry)]
             if len(roles) > 1 and not users:
                 if problems is not None:
-                    problems.append(_unknown_to_all(pattern, name, entry))
+                    problems.append(_unknown_to_all(schema, pattern, name, entry))
                 continue
             for role in users or roles:
                 given.setdefault(role, {})[name] = entry
-    return {r: e for r, e in given.items() if not all(is_ros_own(r, name) for name in e)}
+    return {r: e for r, e in given.items() if not all(schema.is_ros_own(r, n) for n in e)}
 
 
 def unread(sections: Sections, nodes: Mapping[str, str]) -> list[str]:
@@ -115,7 +145,7 @@ def add_file(sections: Sections, path: Path, text: str | None = None) -> None:
     InvalidScenario
         If it cannot be read, or holds keys that ROS 2 could not use.
     """
-    found, problems = read(path, tuple(SECTIONS), text)
+    found, problems = read(path, ROLES, text)
     if problems:
         raise InvalidScenario(problems)
     for pattern, entries in found.items():
@@ -133,20 +163,20 @@ def add_option(sections: Sections, option: str) -> None:
     sections.setdefault(f"/{node}" if node else _EVERY_NODE, {})[name] = Entry(value, OPTION)
 
 
-def _knows(role: str, name: str, entry: Entry) -> bool:
-    return is_ros_own(role, name) or spec_of(role, name, entry.value) is not None
+def _knows(schema: Schema, role: str, name: str, entry: Entry) -> bool:
+    return schema.is_ros_own(role, name) or schema.spec_of(role, name, entry.value) is not None
 
 
 def _literal_namespace(pattern: str) -> str | None:
     """Return the namespace before the node's name; None where a wildcard leaves it open."""
     namespace, _, role = pattern.rpartition("/")
-    if "*" in namespace or (not namespace and "*" in role) or role == _LAUNCHER:
+    if "*" in namespace or (not namespace and "*" in role) or role == LAUNCHER:
         return None
     return namespace or ROOT
 
 
-def _unknown_to_all(pattern: str, name: str, entry: Entry) -> Problem:
-    known = sorted({known for role in SECTIONS for known in known_names(role)})
+def _unknown_to_all(schema: Schema, pattern: str, name: str, entry: Entry) -> Problem:
+    known = sorted({known for role in ROLES for known in schema.known_names(role)})
     need = "a parameter of at least one node"
     key = name if entry.file == OPTION else f"{pattern}.{name}"
     remedy = suggestion(name, known)

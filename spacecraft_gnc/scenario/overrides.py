@@ -7,12 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from spacecraft_gnc.arguments import as_tuple, require_kind
+from spacecraft_gnc.parameters.declare import flatten
 from spacecraft_gnc.parameters.problems import Problem, shown, suggestion
 from spacecraft_gnc.parameters.values import plain
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, parse_value
 from spacecraft_gnc.parameters.yaml_scalar import Scalar
-from spacecraft_gnc.scenario.declare import flatten
-from spacecraft_gnc.scenario.schema import SECTIONS
+from spacecraft_gnc.scenario.schema import ROLES
 
 _DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
 Overrides = Mapping[str, Any] | Sequence[str]
@@ -40,9 +40,9 @@ def apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
         if value is None:  # as in `from_sections`: not given
             continue
         section, _, name = key.partition(".")
-        if section not in SECTIONS or not name:
-            need = f"NODE.PARAMETER with a node out of {', '.join(SECTIONS)}"
-            remedy = suggestion(section, tuple(SECTIONS))
+        if section not in ROLES or not name:
+            need = f"NODE.PARAMETER with a node out of {', '.join(ROLES)}"
+            remedy = suggestion(section, ROLES)
             problems.append(Problem("--set", None, key, shown(plain(value)), need, remedy))
             continue
         as_written = written.get(key) if isinstance(value, Scalar) else None

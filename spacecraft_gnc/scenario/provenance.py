@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Final
 
 from spacecraft_gnc import __version__
-from spacecraft_gnc.scenario import Scenario, registry
+from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.scenario.shipped import shipped_file
+from spacecraft_gnc.vehicles import registry
 
 RUN_RECORD: Final = "run"
 """Name of the metadata record that `run_record` fills."""
@@ -40,7 +41,7 @@ def run_record(scenario: Scenario, middleware: Mapping[str, str]) -> dict[str, s
     dict
         Texts by name; what is not known, or not read by the method, is empty.
     """
-    lock, traits = lock_file(), scenario.traits
+    lock, traits, vehicle = lock_file(), scenario.method, scenario.vehicle
     return {
         "package_version": __version__,
         "git_commit": _commit(),
@@ -59,9 +60,9 @@ def run_record(scenario: Scenario, middleware: Mapping[str, str]) -> dict[str, s
         "formulation": scenario.controller.formulation if "formulation" in traits.reads else "",
         "governor": scenario.governor.governor,
         "mode": scenario.plant.mode,
-        "vehicle_package": registry.provider("plants", scenario.plant.vehicle),
-        "method_package": registry.provider("controllers", scenario.controller.method),
-        "governor_package": registry.provider("governors", scenario.governor.governor),
+        "vehicle_package": registry.provider("vehicles", scenario.vehicle.name),
+        "method_package": registry.provider("controllers", scenario.controller.method, vehicle),
+        "governor_package": registry.provider("governors", scenario.governor.governor, vehicle),
     }
 
 

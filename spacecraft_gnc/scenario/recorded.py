@@ -9,10 +9,9 @@ from typing import Final
 
 from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.parameters.parameter import Value
+from spacecraft_gnc.scenario.defaults import follows_from_formula, former_defaults
 from spacecraft_gnc.scenario.load import from_sections, read_sections
 from spacecraft_gnc.scenario.scenario import Scenario
-from spacecraft_gnc.vehicles.rigid_body.parameters.defaults import follows_from_formula
-from spacecraft_gnc.vehicles.rigid_body.parameters.former import former_defaults
 
 SCENARIO_ATTACHMENT: Final = "scenario.yaml"
 """Name under which a recorder attaches the scenario that flew, with overrides merged in."""
@@ -40,20 +39,22 @@ def parse_scenario(
     try:
         # as the nodes read it: a flight may have been cut short on purpose
         sections = read_sections(SCENARIO_ATTACHMENT, namespace, text)
-        stated = _defaults(defaults) if defaults else former_defaults(sections)
+        stated = _defaults(defaults, sections) if defaults else former_defaults(sections)
         scenario = from_sections(sections, SCENARIO_ATTACHMENT, stated)
     except GncError as error:
         return None, str(error).splitlines()[0]
     return replace(scenario, path=f"{source}/{SCENARIO_ATTACHMENT}"), ""
 
 
-def _defaults(text: str) -> dict[str, dict[str, Value]]:
+def _defaults(
+    text: str, sections: Mapping[str, Mapping[str, Value]]
+) -> dict[str, dict[str, Value]]:
     if not any(line and not line.startswith("#") for line in text.splitlines()):
         return {}  # the scenario states everything
     stated = read_sections(DEFAULTS_ATTACHMENT, text=text)
     for section, values in stated.items():
         for name in values:
-            if not follows_from_formula(section, name):
+            if not follows_from_formula(sections, section, name):
                 raise ParameterError(
                     f"{section}.{name}: received as a default that the recording took; required "
                     "one that a formula gives (docs/scenario.md); the attachment was changed"

@@ -5,26 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, Final, cast
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.loop.traits import MethodTraits
+from spacecraft_gnc.lazy import Lazy
+from spacecraft_gnc.parameters.declare import Declaration, Schema, flatten, unflatten
 from spacecraft_gnc.parameters.parameter import Value
-from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, problem_of
+from spacecraft_gnc.parameters.problems import InvalidScenario, problem_of
+from spacecraft_gnc.parameters.sections import LauncherParameters, RecorderParameters
 from spacecraft_gnc.parameters.yaml_file import PARAMETERS_KEY
 from spacecraft_gnc.parameters.yaml_scalar import emit
-from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.declare import flatten, known_names, unflatten
-from spacecraft_gnc.scenario.schema import (
-    ControllerParameters,
-    GovernorParameters,
-    LauncherParameters,
-    PlantParameters,
-    RecorderParameters,
-)
-from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.scenario.schema import schema_of
+from spacecraft_gnc.vehicles import registry
+from spacecraft_gnc.vehicles.vehicle import GovernorLaw, Method, Vehicle
 
 if TYPE_CHECKING:  # the cores need numba, a check of a file does not
     from spacecraft_gnc.loop.closed_loop import ClosedLoop
@@ -37,9 +30,11 @@ class Scenario:
 
     Attributes
     ----------
+    vehicle : Vehicle
+        Named by ``plant.vehicle``.
     plant, controller, governor, recorder, launcher
-        Typed parameters. ``controller.inertia`` and ``controller.time_step`` are filled in from
-        the plant where the file leaves them open.
+        Typed parameters, the first three of the vehicle's own classes. What the file leaves open
+        for another parameter to say, such as ``controller.time_step``, is filled in.
     path : str
         Where it comes from.
     sections : mapping
@@ -52,9 +47,10 @@ class Scenario:
         What to know before it flies, one line each.
     """
 
-    plant: PlantParameters
-    controller: ControllerParameters
-    governor: GovernorParameters
+    vehicle: Vehicle
+    plant: Any
+    controller: Any
+    governor: Any
     recorder: RecorderParameters
     launcher: LauncherParameters
     path: str
@@ -65,33 +61,63 @@ class Scenario:
 
     def __repr__(self) -> str:
         """Return what would fly, in one line."""
-        plant, controller = self.plant, self.controller
-        return (
-            f"Scenario({self.path!r}: {plant.vehicle}, {controller.method}, horizon "
-            f"{controller.horizon}, governor {self.governor.governor}, {self.n_steps} steps of "
-            f"{self.period:g} s, {self.n_steps * self.period:g} s in all)"
-        )
+        reads, parts = self.method.reads, [self.vehicle.name, self.controller.method]
+        if "horizon" in reads:
+            parts.append(f"horizon {self.controller.horizon}")
+        parts.append(f"governor {self.governor.governor}")
+        duration = f"{self.n_steps} steps of {self.period:g} s, {self.n_steps * self.period:g} s"
+        return f"Scenario({self.path!r}: {', '.join(parts)}, {duration} in all)"
 
     @property
     def period(self) -> float:
         """Control period [s]."""
-        return self.controller.time_step
+        return float(self.controller.time_step)
 
     @property
     def substeps(self) -> int:
         """Integrator steps in one control period."""
-        return round(self.period / self.plant.time_step)
+        return round(self.period / float(self.plant.time_step))
 
     @property
     def n_steps(self) -> int:
         """Whole control steps in the duration."""
-        period = self.substeps * self.plant.time_step
-        return math.floor(self.plant.duration / period * (1.0 + 1e-12))  # 150 / 0.4 is 375
+        period = self.substeps * float(self.plant.time_step)
+        return math.floor(float(self.plant.duration) / period * (1.0 + 1e-12))  # 150 / 0.4 is 375
 
     @property
-    def traits(self) -> MethodTraits:
-        """What the method declares of itself."""
-        return registry.traits(self.controller.method)
+    def schema(self) -> Schema:
+        """The sections of the vehicle's scenarios."""
+        return schema_of(self.vehicle)
+
+    @property
+    def method(self) -> Method:
+        """The method of the controller, one that declares nothing where it is not here."""
+        return registry.known_method(self.vehicle, self.controller.method)
+
+    @property
+    def traits(self) -> Method:
+        """The method."""
+        return self.method
+
+    @property
+    def law(self) -> GovernorLaw:
+        """The law of the governor.
+
+        Raises
+        ------
+        InvalidScenario
+            If the plug-in behind it is broken.
+        """
+        return registry.governor_of(self.vehicle, self.governor.governor, self.path)
+
+    def declarations(self, section: str) -> tuple[Declaration, ...]:
+        """Return the parameters of a node, in the order of its section class."""
+        own = getattr(self, _ATTRIBUTES[section])
+        elements = {
+            field: [element.name for element in getattr(own, field)]
+            for field, _ in self.schema.named_groups(section)
+        }
+        return self.schema.declarations(section, elements, getattr(own, "plugin", None))
 
     def build(self) -> ClosedLoop:
         """Return the closed loop of this scenario, ready to run.
@@ -107,8 +133,7 @@ class Scenario:
 
     def build_plant(self) -> Plant:
         """Return the vehicle named by ``plant.vehicle``."""
-        self._require("plant.inertia", self.plant.inertia)
-        return cast("Plant", registry.create("plants", self.plant.vehicle, self))
+        return cast("Plant", registry.create(registry.VEHICLES, self.vehicle.plant, self))
 
     def build_controller(self) -> Controller:
         """Return the controller named by ``nmpc_controller.method``.
@@ -118,8 +143,8 @@ class Scenario:
         InvalidScenario
             With what the controller refuses, such as a start from which it has no solution.
         """
-        self._require("nmpc_controller.inertia", self.controller.inertia)
-        return cast("Controller", self._create("controllers", self.controller.method))
+        method = registry.method_of(self.vehicle, self.controller.method, self.path)
+        return cast("Controller", self._create(registry.CONTROLLERS, method.build))
 
     def build_governor(self) -> Governor:
         """Return the governor named by ``reference_governor.governor``.
@@ -130,10 +155,7 @@ class Scenario:
             With what the governor refuses, such as a start from which its prediction violates a
             limit.
         """
-        name = self.governor.governor
-        if name == "attitude":
-            self._require("nmpc_controller.inertia", self.controller.inertia)
-        return cast("Governor", self._create("governors", name))
+        return cast("Governor", self._create(registry.GOVERNORS, self.law.build))
 
     def check_cores(self) -> None:
         """Have the cores that look ahead refuse what no value shows by itself.
@@ -143,11 +165,11 @@ class Scenario:
         GncError
             As `build_controller` and `build_governor` do.
         """
-        registry.require_plugin("plants", self.plant.vehicle, self.path)
-        registry.require_plugin("controllers", self.controller.method, self.path)
-        if self.traits.refuses_starts:
+        registry.require(registry.VEHICLES, self.vehicle.plant, self)
+        method = registry.method_of(self.vehicle, self.controller.method, self.path)
+        if method.refuses_starts:
             self.build_controller()
-        if self.governor.governor != "none":
+        if self.law.looks_ahead:
             self.build_governor()
 
     def to_yaml(self, defaults: bool = False) -> str:
@@ -172,22 +194,26 @@ class Scenario:
         told = sections_to_yaml({s: unflatten(values) for s, values in taken.items()})
         return f"# Defaults that formulas gave (docs/scenario.md).\n{told.lstrip()}"
 
-    def _create(self, group: str, name: str) -> Any:
+    def _create(self, group: str, build: Lazy) -> Any:
         try:
-            return registry.create(group, name, self)
+            return registry.create(group, build, self)
         except InvalidScenario:
             raise
         except GncError as error:
             section = registry.KEYS[group].partition(".")[0]
-            problem = problem_of(error, self.path, section, known_names(section))
+            problem = problem_of(error, self.path, section, self.schema.known_names(section))
             if problem is None:
                 raise
             raise InvalidScenario([problem]) from error
 
-    def _require(self, key: str, inertia: Matrix3) -> None:
-        if np.isnan(inertia).any():
-            need = "9 numbers (3x3, row-major) [kg m^2]"
-            raise InvalidScenario([Problem(self.path, None, key, "nothing", need, "add it")])
+
+_ATTRIBUTES: Final = {
+    "plant": "plant",
+    "nmpc_controller": "controller",
+    "reference_governor": "governor",
+    "recorder": "recorder",
+    "launcher": "launcher",
+}
 
 
 def sections_to_yaml(sections: Mapping[str, Mapping[str, Any]]) -> str:

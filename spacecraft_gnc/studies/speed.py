@@ -19,12 +19,14 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.prediction import Prediction
-from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.search import GeodesicSearch
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
 from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.types import Array, Matrix3, State
+from spacecraft_gnc.vehicles.rigid_body.controllers.feedback.controller import FeedbackController
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
+from spacecraft_gnc.vehicles.rigid_body.governors.build import reference_set_of
+from spacecraft_gnc.vehicles.rigid_body.governors.predictors import feedback_predictor
 
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
@@ -133,8 +135,11 @@ def time_governor(scenario: Scenario, repeats: int = 2000) -> dict[str, Any]:
     ``update``: the longest there is, all halvings of the bisection with every prediction flown
     over 100 steps to its end; ``flight``: those of the scenario's flight that had to bisect.
     """
-    references = ReferenceSet.from_scenario(scenario)
-    ahead = FeedbackPredictor.from_scenario(scenario, references, horizon=_PREDICTED)
+    references, law = (
+        reference_set_of(scenario),
+        FeedbackController.from_scenario(scenario).feedback,
+    )
+    ahead = feedback_predictor(scenario, law, references, horizon=_PREDICTED)
     g, p = scenario.governor, scenario.plant
     search = GeodesicSearch(_Refusing(ahead), references, g.alpha_tolerance, g.cut_point_shift)
     start = State(0, lie.exp(p.initial_rotation_vector), np.zeros(3))

@@ -18,7 +18,9 @@ from spacecraft_gnc.ocp import ShootingSolver, Status, TerminalSetSolver
 from spacecraft_gnc.scenario import from_sections, load
 from spacecraft_gnc.scenario.shipped import shipped
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
-from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set import TerminalSetController
+from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set.controller import (
+    TerminalSetController,
+)
 
 
 def about_z(degrees):

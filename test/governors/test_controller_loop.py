@@ -30,6 +30,8 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     ShootingController,
     SolverController,
 )
+from spacecraft_gnc.vehicles.rigid_body.governors import predictors
+from spacecraft_gnc.vehicles.rigid_body.governors.build import reference_set_of
 
 INERTIA = np.diag([1.0, 0.8, 0.8])
 BODY = RigidBody(INERTIA, 0.4)
@@ -318,7 +320,7 @@ def test_bad_limits_and_controllers_are_refused():
 def test_the_horizon_suffices_from_rest_anywhere(changes):
     words = {f"nmpc_controller.{key}": value for key, value in changes.items()}
     scenario = load(shipped("gupta2015_case1"), words)
-    predictor = ControllerLoopPredictor.from_scenario(scenario)
+    predictor = predictors.predictor_of(scenario, reference_set_of(scenario))
     assert isinstance(predictor, ShootingLoopPredictor)
     rng = np.random.default_rng(4)
     for _ in range(25):
@@ -351,7 +353,8 @@ def test_the_horizon_of_the_scenario_is_taken_and_substeps_are_flown():
         "plant.time_step": 0.1,
         "nmpc_controller.method": "neighboring_extremal",
     }
-    predictor = ControllerLoopPredictor.from_scenario(load(shipped("gupta2015_case1"), words))
+    scenario = load(shipped("gupta2015_case1"), words)
+    predictor = predictors.predictor_of(scenario, reference_set_of(scenario))
     assert type(predictor) is ControllerLoopPredictor
     predictor.warm_up()
     predictor.reset()

@@ -146,14 +146,29 @@ def test_a_loop_that_its_sampling_makes_unstable_is_refused():
         FeedbackPredictor(harsh, H, 1, FREE)
 
 
-def test_the_body_flown_ahead_is_the_plants_whatever_the_controller_believes():
-    """The gains are given, so the belief changes neither the law nor the loop."""
-    believed = {"inertia": (2.0 * INERTIA).ravel().tolist()}
-    flights = [
-        load(CONFIG, {"plant.duration": 10.0, **{f"nmpc_controller.{k}": v for k, v in c.items()}})
+def test_the_body_flown_ahead_is_the_one_that_the_controller_believes():
+    """The gains are given, so the belief changes the governor's prediction and not the law."""
+    believed = {"nmpc_controller.inertia": (2.0 * INERTIA).ravel().tolist()}
+    same = {"nmpc_controller.inertia": INERTIA.ravel().tolist()}
+    short = {"plant.duration": 10.0}
+    right, stated, wrong = (load(CONFIG, {**short, **c}).build() for c in ({}, same, believed))
+    ahead = wrong.governor.predictor.loop.feedback
+    assert np.array_equal(ahead.inertia, 2.0 * INERTIA)
+    assert np.array_equal(ahead.law, right.governor.predictor.loop.feedback.law)
+    assert np.array_equal(wrong.plant.inertia, INERTIA)
+    flights = [loop.run() for loop in (right, stated, wrong)]
+    assert np.array_equal(flights[0].reference, flights[1].reference)
+    off = lie.angle_between(flights[0].reference[-1], flights[2].reference[-1])
+    assert off > math.radians(1.0)
+
+
+def test_the_guarantee_holds_as_far_as_the_belief_does():
+    """A momentum limit that the believed body keeps is exceeded by a heavier one."""
+    limit = {"reference_governor.max_momentum": 0.1, "reference_governor.max_torque": 0.0}
+    believed = {"nmpc_controller.inertia": (0.5 * INERTIA).ravel().tolist()}
+    kept, exceeded = (
+        float(np.linalg.norm(load(CONFIG, {**limit, **c}).build().run().momentum, axis=1).max())
         for c in ({}, believed)
-    ]
-    right, wrong = (scenario.build().run() for scenario in flights)
-    assert np.array_equal(right.torque, wrong.torque)
-    assert np.array_equal(right.reference, wrong.reference)
-    assert np.linalg.norm(wrong.torque, axis=1).max() <= 0.02
+    )
+    assert kept <= 0.1
+    assert exceeded > 0.12

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles.rigid_body.governors.build import reference_set_of
 
 SCENARIO = shipped("governed_nmpc")
 
@@ -27,7 +27,7 @@ def fly(path=SCENARIO, **words):
 def zone_margins(scenario, flight):
     """Angle [deg] to the nearest zone at every step and at the end."""
     attitudes = np.concatenate([flight.attitude, flight.final_attitude[None]])
-    return np.degrees(ReferenceSet.from_scenario(scenario).margins(attitudes))
+    return np.degrees(reference_set_of(scenario).margins(attitudes))
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_the_governed_nmpc_goes_round_the_zone_and_arrives(governed):
 
 def test_every_reference_is_admissible_and_keeps_the_steady_margin(governed):
     scenario, flight, _ = governed
-    reference_set = ReferenceSet.from_scenario(scenario)
+    reference_set = reference_set_of(scenario)
     assert reference_set.margins(flight.reference).min() >= reference_set.steady_margin
     assert flight.governor_margin.min() >= 0.0
     assert ((flight.alpha >= 0.0) & (flight.alpha <= 1.0)).all()

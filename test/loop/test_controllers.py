@@ -18,7 +18,9 @@ from spacecraft_gnc.ocp import (
     StateContinuation,
     Status,
 )
-from spacecraft_gnc.vehicles.rigid_body.controllers.neighboring import NominalRunController
+from spacecraft_gnc.vehicles.rigid_body.controllers.neighboring_extremal.controller import (
+    NominalRunController,
+)
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     FsolveController,
     OnlineNeighboringController,

@@ -9,7 +9,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Reference, Source, State
 from spacecraft_gnc.scenario import from_sections, load
 from spacecraft_gnc.scenario.shipped import shipped
-from spacecraft_gnc.vehicles.rigid_body.controllers.feedback import FeedbackController
+from spacecraft_gnc.vehicles.rigid_body.controllers.feedback.controller import FeedbackController
 
 TARGET = Reference(np.eye(3), np.zeros(3), np.zeros(3))
 START = State(0, lie.exp(np.array([0.25, 0.5, 0.5])), np.array([0.1, 0.0, -0.2]))

@@ -15,7 +15,9 @@ from spacecraft_gnc.loop import Source, State
 from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.ocp import Status, TerminalSetSolver
 from spacecraft_gnc.scenario import InvalidScenario, load
-from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set import TerminalSetController
+from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set.controller import (
+    TerminalSetController,
+)
 
 CONFIG = Path(__file__).parents[2] / "config"
 

@@ -18,11 +18,11 @@ from spacecraft_gnc.launcher import domain, environment
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.plan import make_plan, node_options
 from spacecraft_gnc.launcher.progress import Display
+from spacecraft_gnc.parameters.checked import plain_values
+from spacecraft_gnc.parameters.sections import NODE_NAMES
 from spacecraft_gnc.ros.parameters import command_line
 from spacecraft_gnc.scenario import load
-from spacecraft_gnc.scenario.checked import plain_values
 from spacecraft_gnc.scenario.node_sections import given_to, node_names
-from spacecraft_gnc.scenario.schema import NODE_NAMES
 
 PATIENCE = 120.0  # [s] wall
 NAMESPACES = ("/", "/sat1", "/a/b")

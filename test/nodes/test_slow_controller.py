@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,13 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.loop import Command, Reference, State
-from spacecraft_gnc.loop.traits import SHOOTING
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.ros import convert
 from spacecraft_gnc.ros.topics import CLOCK
-from spacecraft_gnc.scenario import registry
+from spacecraft_gnc.vehicles.rigid_body import descriptor
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
@@ -57,8 +58,10 @@ def controller(ros: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
         "error": None,
     }.items():
         monkeypatch.setattr(Gated, name, value, raising=False)
-    gated = registry.BuiltIn(f"{__name__}:Gated", SHOOTING)
-    monkeypatch.setitem(registry.BUILT_IN["controllers"], "shooting", gated)
+    first, *others = descriptor.VEHICLE.methods
+    gated = replace(first, build=Lazy(f"{__name__}:Gated.from_scenario"))
+    vehicle = replace(descriptor.VEHICLE, methods=(gated, *others))
+    monkeypatch.setattr(descriptor, "VEHICLE", vehicle)
     node = activated(ros.add(ControllerNode()))
     node.sent = []
     node._publish_torque = node.sent.append

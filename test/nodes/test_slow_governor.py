@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,13 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
+from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.loop import Reference, State
 from spacecraft_gnc.loop.protocols import GovernorDecision
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
 from spacecraft_gnc.ros import convert
-from spacecraft_gnc.scenario import registry
+from spacecraft_gnc.vehicles.rigid_body import descriptor
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
 ZERO = np.zeros(3)
@@ -74,8 +76,10 @@ def governor(ros: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
         "error": None,
     }.items():
         monkeypatch.setattr(Gated, name, value, raising=False)
-    gated = registry.BuiltIn(f"{__name__}:Gated")
-    monkeypatch.setitem(registry.BUILT_IN["governors"], "none", gated)
+    first, *others = descriptor.VEHICLE.governors
+    gated = replace(first, build=Lazy(f"{__name__}:Gated.from_scenario"))
+    vehicle = replace(descriptor.VEHICLE, governors=(gated, *others))
+    monkeypatch.setattr(descriptor, "VEHICLE", vehicle)
     node = ros.add(GovernorNode())
     assert node.trigger_configure().name == "SUCCESS"
     assert node.trigger_activate().name == "SUCCESS"

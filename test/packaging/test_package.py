@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import spacecraft_gnc
-from spacecraft_gnc.scenario.registry import BUILT_IN
+from spacecraft_gnc.vehicles import registry
 
 ROOT = Path(__file__).parents[2]
 SOURCES = (
@@ -49,11 +49,11 @@ def test_versions_agree() -> None:
     assert versions == {spacecraft_gnc.__version__}
 
 
-def test_entry_points_are_the_built_in_names() -> None:
-    for group, built_in in BUILT_IN.items():
-        entries = metadata.entry_points(group=f"spacecraft_gnc.{group}")
-        ours = {e.name: e.value for e in entries if e.value.startswith("spacecraft_gnc.")}
-        assert ours == {name: entry.target for name, entry in built_in.items()}
+def test_every_folder_of_vehicles_is_a_vehicle() -> None:
+    folders = {p.parent.name for p in (ROOT / "spacecraft_gnc/vehicles").glob("*/descriptor.py")}
+    assert folders == set(registry.own_names(registry.VEHICLES))
+    for name in folders:
+        assert registry.vehicle_of(name).name == name
 
 
 @pytest.mark.parametrize(

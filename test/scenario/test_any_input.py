@@ -10,14 +10,14 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from spacecraft_gnc.scenario import InvalidScenario, from_sections, load
-from spacecraft_gnc.scenario.declare import declarations
-from spacecraft_gnc.scenario.schema import SECTIONS
+from spacecraft_gnc.scenario.schema import ROLES, schema_of
+from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE
 
 CASE_1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 KEYS = [
     f"{section}.{declaration.name}"
-    for section in SECTIONS
-    for declaration in declarations(section, ["star"] if section == "nmpc_controller" else ())
+    for section in ROLES
+    for declaration in schema_of(VEHICLE).declarations(section, {"zones": ["star"]})
 ]
 SCALARS = st.one_of(
     st.none(),

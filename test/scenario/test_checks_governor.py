@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from spacecraft_gnc.scenario import InvalidScenario, from_sections
-from spacecraft_gnc.scenario.checks_governor import OF_ATTITUDE
-from spacecraft_gnc.scenario.declare import declarations
+from spacecraft_gnc.scenario.checks_reads import readers
+from spacecraft_gnc.scenario.schema import schema_of
+from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE
 
 INERTIA = [10.0, 0.0, 0.0, 0.0, 8.0, 0.0, 0.0, 0.0, 8.0]
 CHANGED: dict[str, Any] = {
@@ -39,8 +40,9 @@ def problems(method: str, **governor: Any) -> list[str]:
 
 
 def test_every_parameter_of_the_table_exists() -> None:
-    assert set(OF_ATTITUDE) <= {d.name for d in declarations("reference_governor")}
-    assert set(OF_ATTITUDE) == CHANGED.keys()
+    declared = {d.name for d in schema_of(VEHICLE).declarations("reference_governor")}
+    assert readers(VEHICLE.governors).keys() <= declared
+    assert readers(VEHICLE.governors).keys() == CHANGED.keys()
 
 
 @pytest.mark.parametrize("name", CHANGED)
@@ -53,7 +55,8 @@ def test_only_the_governor_attitude_reads_them(name: str) -> None:
 
 
 def test_a_default_that_is_stated_is_no_fault() -> None:
-    stated = {d.name: d.spec.default for d in declarations("reference_governor")}
+    declarations = schema_of(VEHICLE).declarations("reference_governor")
+    stated = {d.name: d.spec.default for d in declarations}
     assert problems("shooting", **stated) == []
 
 

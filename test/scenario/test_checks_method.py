@@ -6,13 +6,15 @@ from typing import Any
 
 import pytest
 
-from spacecraft_gnc.scenario import InvalidScenario, from_sections, registry
-from spacecraft_gnc.scenario.checks_method import readers
-from spacecraft_gnc.scenario.declare import declarations
-from spacecraft_gnc.scenario.registry import BuiltIn
+from spacecraft_gnc.scenario import InvalidScenario, from_sections
+from spacecraft_gnc.scenario.checks_reads import readers
+from spacecraft_gnc.scenario.schema import schema_of
+from spacecraft_gnc.vehicles import registry
+from spacecraft_gnc.vehicles.rigid_body import descriptor
 
 INERTIA = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
-METHODS = ("shooting", "neighboring_extremal", "slsqp", "feedback", "terminal_set")
+METHODS = tuple(method.name for method in descriptor.VEHICLE.methods)
+READERS = readers(descriptor.VEHICLE.methods)
 NOMINAL = {"nominal_rotation_vector": [0.0, 0.0, 0.5]}
 CHANGED: dict[str, Any] = {
     "formulation": "single_shooting",
@@ -45,11 +47,10 @@ CHANGED: dict[str, Any] = {
 
 @pytest.fixture(autouse=True)
 def _methods(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Methods by name only: nothing is built here."""
-    known = registry.BUILT_IN["controllers"]
-    methods = {name: BuiltIn("nowhere:Nothing", known[name].traits) for name in METHODS}
-    monkeypatch.setitem(registry.BUILT_IN, "controllers", methods)
-    monkeypatch.setattr(registry, "names", lambda group: (*registry.BUILT_IN[group], "foreign"))
+    """Let the name of another package's method be known: nothing is built here."""
+    names = registry.names
+    known = lambda group, vehicle=None: (*names(group, vehicle), "foreign")  # noqa: E731
+    monkeypatch.setattr(registry, "names", known)
 
 
 def problems(**controller: Any) -> list[str]:
@@ -61,8 +62,9 @@ def problems(**controller: Any) -> list[str]:
 
 
 def test_every_parameter_of_the_table_exists() -> None:
-    assert readers().keys() <= {d.name for d in declarations("nmpc_controller")}
-    assert readers().keys() == CHANGED.keys()
+    declared = schema_of(descriptor.VEHICLE).declarations("nmpc_controller")
+    assert READERS.keys() <= {declaration.name for declaration in declared}
+    assert READERS.keys() == CHANGED.keys()
 
 
 @pytest.mark.parametrize("name", CHANGED)
@@ -72,11 +74,11 @@ def test_who_reads_what(method: str, name: str) -> None:
     if method == "neighboring_extremal":
         given |= NOMINAL
     found = problems(method=method, **given)
-    if method == "foreign" or method in readers()[name]:
+    if method == "foreign" or method in READERS[name]:
         assert found == []
     else:
         (line,) = found
-        known = " or ".join(readers()[name])
+        known = " or ".join(READERS[name])
         assert f"nmpc_controller.{name}: received" in line
         assert f"required a method that reads it ({known}), not {method}; remove it" in line
 

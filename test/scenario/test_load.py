@@ -15,7 +15,7 @@ from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.scenario import InvalidScenario, from_sections, load, read_sections
 from spacecraft_gnc.scenario.checks import steps_in
-from spacecraft_gnc.scenario.schema import SECTIONS
+from spacecraft_gnc.scenario.schema import ROLES
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 CASE_1 = CONFIG / "gupta2015_case1.yaml"
@@ -107,7 +107,7 @@ def test_actuators_come_as_columns() -> None:
     assert np.isnan(load(CASE_1).controller.nominal_rotation_vector).all()
 
 
-@pytest.mark.parametrize("section", [name for name in SECTIONS if name != "plant"])
+@pytest.mark.parametrize("section", [name for name in ROLES if name != "plant"])
 def test_a_node_alone_needs_no_plant(section: str) -> None:
     given_inertia = {"inertia": INERTIA} if section == "nmpc_controller" else {}
     scenario = from_sections({section: given_inertia})

@@ -14,9 +14,11 @@ import typer.testing
 from spacecraft_gnc import lie
 from spacecraft_gnc.cli.main import app, main
 from spacecraft_gnc.loop import Command, Reference, State
-from spacecraft_gnc.loop.traits import MethodTraits
-from spacecraft_gnc.scenario import Scenario, registry
+from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles import registry
+from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE
+from spacecraft_gnc.vehicles.vehicle import MethodTraits
 
 CASE = str(shipped("gupta2015_case1"))
 
@@ -105,8 +107,10 @@ def test_what_a_method_declares_is_told() -> None:
 
 
 def test_a_method_that_is_not_here_declares_nothing() -> None:
-    assert registry.traits("gone") == MethodTraits()
-    assert registry.traits("never_heard_of") == MethodTraits()
+    for name in ("gone", "never_heard_of"):
+        method = registry.known_method(VEHICLE, name)
+        assert (method.name, method.reads, method.variants) == (name, frozenset(), ())
+        assert not method.memoryless
 
 
 def test_a_check_refuses_one_that_cannot_be_imported(

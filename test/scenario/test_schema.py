@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import pytest
 
+from spacecraft_gnc.parameters.declare import Declaration, flatten, unflatten
 from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, typed
+from spacecraft_gnc.parameters.sections import NODE_NAMES
 from spacecraft_gnc.parameters.values import admissible
-from spacecraft_gnc.scenario.declare import Declaration, declarations, flatten, unflatten
-from spacecraft_gnc.scenario.schema import NODE_NAMES, SECTIONS
+from spacecraft_gnc.scenario.schema import ROLES, schema_of
+from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE
 
+SCHEMA = schema_of(VEHICLE)
 ALL = [
     pytest.param(declaration, id=f"{section}.{declaration.name}")
-    for section in SECTIONS
-    for declaration in declarations(section, ["star"] if section == "nmpc_controller" else ())
+    for section in ROLES
+    for declaration in SCHEMA.declarations(section, {"zones": ["star"]})
 ]
 PYTHON_TYPES = {
     Kind.BOOL: bool,
@@ -43,15 +46,16 @@ def test_every_default_is_admissible(declaration: Declaration) -> None:
 
 
 def test_sections_and_nodes() -> None:
-    assert tuple(SECTIONS) == (*NODE_NAMES, "launcher")
+    assert tuple(SCHEMA.sections) == ROLES == (*NODE_NAMES, "launcher")
     for node in NODE_NAMES:
-        assert "autostart" in {declaration.name for declaration in declarations(node)}
-    assert "autostart" not in {declaration.name for declaration in declarations("launcher")}
+        assert "autostart" in {declaration.name for declaration in SCHEMA.declarations(node)}
+    assert "autostart" not in {declaration.name for declaration in SCHEMA.declarations("launcher")}
 
 
 def test_names_are_those_of_ros() -> None:
     plugin = {"gain": 2.0, "names": ["a"], "counts": [1, 2], "flag": True}
-    found = {d.name: d.spec for d in declarations("nmpc_controller", ["star", "sun"], plugin)}
+    zones = {"zones": ["star", "sun"]}
+    found = {d.name: d.spec for d in SCHEMA.declarations("nmpc_controller", zones, plugin)}
     assert found["weights.stage_attitude"].kind is Kind.DYNAMIC
     assert found["zones.sun.half_angle_deg"].unit == "deg"
     assert found["plugin.gain"].kind is Kind.DOUBLE

@@ -16,7 +16,7 @@ from spacecraft_gnc.audit.evidence import Evidence, Progress, read_evidence
 from spacecraft_gnc.audit.ledger import Check, Difference, Ledger
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
-from spacecraft_gnc.scenario import Scenario, registry
+from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 from spacecraft_gnc.vehicles.rigid_body.audit.decisions import audit_decisions
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
@@ -172,7 +172,7 @@ def _audit_solves(
         if solver is not None:
             solver.finish()
         return
-    if method in registry.BUILT_IN["controllers"]:
+    if scenario.vehicle.method(method) is not None:
         same = solves.fields["method"] == method
         ledger.require("method", f"{method}", solves.steps, "solver_status.method", same)
     ledger.skip("iterations and wall times", "they tell of the run, not of the plan")

@@ -19,7 +19,7 @@ from spacecraft_gnc.drawing.traces import label, packed
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.scenario.schema import ZoneParameters
+    from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 _LIFT: Final = 1.004  # radius of the zones, so that the sphere does not hide them
 _RINGS: Final = 10

@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import Any, Final
 
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
-    from spacecraft_gnc.vehicles.rigid_body.prediction import Prediction
+from spacecraft_gnc.vehicles.rigid_body.prediction import Prediction, predict
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+from spacecraft_gnc.vehicles.vehicle import Outlook
 
 LARGEST_EXCESS: Final = 1e-3
 """Share of the torque limit above which a warning is due."""
-
-
-class Outlook(NamedTuple):
-    """The prediction, what the first solve adds to it, and the warnings that follow."""
-
-    prediction: Prediction | None
-    excess: float
-    """Share of the torque limit by which the first torque exceeds it."""
-    warnings: tuple[str, ...]
 
 
 def outlook(scenario: Scenario, cut_short: bool) -> Outlook:
@@ -27,19 +18,30 @@ def outlook(scenario: Scenario, cut_short: bool) -> Outlook:
 
     ``cut_short``: its duration is shorter on purpose, and no warning is due.
     """
-    from spacecraft_gnc.vehicles.rigid_body.prediction import predict
-
     prediction = predict(scenario)
+    settling = _settling(scenario, prediction)
     if prediction is None:
-        return Outlook(None, 0.0, ())
+        return Outlook(settling, _numbers(None, 0.0))
     excess = prediction.most_excess
     if excess > LARGEST_EXCESS:
         excess = _first_excess(scenario)
-    warnings = [*_of_settling(scenario, prediction, cut_short), *_of_limit(scenario, excess)]
-    return Outlook(prediction, excess, tuple(warnings))
+    warnings = (*_of_settling(scenario, prediction, cut_short), *_of_limit(scenario, excess))
+    return Outlook(settling, _numbers(prediction, excess), warnings)
 
 
-def settling_text(scenario: Scenario, prediction: Prediction | None) -> str:
+def _numbers(prediction: Prediction | None, excess: float) -> dict[str, Any]:
+    """Return the prediction in numbers; None for what is not predicted, or never."""
+    if prediction is None:
+        return dict.fromkeys(("spectral_radius", "predicted_settling_time", "limit_excess"))
+    time = prediction.settling_time
+    return {
+        "spectral_radius": prediction.spectral_radius,
+        "predicted_settling_time": time if math.isfinite(time) else None,
+        "limit_excess": excess,
+    }
+
+
+def _settling(scenario: Scenario, prediction: Prediction | None) -> str:
     """Return the predicted settling time in words."""
     if prediction is None:
         return f"not predicted for method {scenario.controller.method}"

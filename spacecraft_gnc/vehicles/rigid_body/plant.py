@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from spacecraft_gnc import lie
@@ -17,9 +15,7 @@ from spacecraft_gnc.types import (
     as_vector3,
     read_only,
 )
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 
 
 class RigidBodyPlant:
@@ -67,15 +63,12 @@ class RigidBodyPlant:
     def from_scenario(cls, scenario: Scenario) -> RigidBodyPlant:
         """Build the plant of a scenario's sections ``plant`` and ``nmpc_controller``."""
         p = scenario.plant
-        substeps = round(scenario.controller.time_step / p.time_step)
-        # A hair of slack: 150.0 / 0.4 must give 375 steps whatever its last bit.
-        n_steps = int(np.floor(p.duration / (substeps * p.time_step) * (1.0 + 1e-12)))
         return cls(
-            RigidBody(p.inertia, p.time_step),
+            RigidBody(known_inertia(scenario, "plant", p.inertia), p.time_step),
             lie.exp(p.initial_rotation_vector),
             p.initial_momentum,
-            n_steps,
-            substeps,
+            scenario.n_steps,
+            scenario.substeps,
         )
 
     @property

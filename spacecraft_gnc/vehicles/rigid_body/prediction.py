@@ -17,8 +17,11 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.vehicles.rigid_body.chosen import reads_all
+from spacecraft_gnc.vehicles.rigid_body.controllers.feedback import FeedbackParameters
+from spacecraft_gnc.vehicles.rigid_body.parameters.ocp import PenalizedParameters
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 MOST_STEPS: Final = 20_000
 """Of the flight with a limited torque, and samples of the linear one: some tenths of a second."""
@@ -26,7 +29,6 @@ MARGINAL: Final = 1e-9
 """A spectral radius above 1 minus this counts as 1: an axis without feedback has 1 twice."""
 LINEAR: Final = 0.1
 """[rad] of attitude error under which the motion is linear."""
-_PENALISED: Final = frozenset({"shooting", "neighboring_extremal", "slsqp", "fsolve"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,20 +47,21 @@ class Prediction:
 
 def predict(scenario: Scenario) -> Prediction | None:
     """Return the prediction; None where the gains of the method are not known or no numbers."""
-    controller = scenario.controller
-    method = controller.method
-    if scenario.plant.vehicle != "rigid_body" or method not in _PENALISED | {"feedback"}:
+    method = scenario.method
+    is_law = reads_all(method, FeedbackParameters)
+    has_horizon = reads_all(method, PenalizedParameters)
+    if not (is_law or has_horizon):
         return None
-    penalised = method in _PENALISED and not scenario.traits.hard_limits
+    penalized = has_horizon and not method.hard_limits
     with np.errstate(all="ignore"):
         try:
-            loop = _Loop.feedback(scenario) if method == "feedback" else _Loop.horizon(scenario)
+            loop = _Loop.feedback(scenario) if is_law else _Loop.horizon(scenario)
         except np.linalg.LinAlgError:  # of numbers beyond double precision
             return None
         return Prediction(
             spectral_radius=loop.radius,
             settling_time=loop.settling_time(math.radians(scenario.governor.slew_tolerance_deg)),
-            most_excess=loop.most_excess(scenario) if penalised else 0.0,
+            most_excess=loop.most_excess(scenario) if penalized else 0.0,
         )
 
 

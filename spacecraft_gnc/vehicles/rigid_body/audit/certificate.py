@@ -16,7 +16,7 @@ from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import HARD, Certificates, Certifier, Plans
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.scenario.schema import ControllerParameters
+    from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
 
 ROUNDING: Final = 1e-13
 """Relative: a few hundred roundings, of the sums over a horizon."""

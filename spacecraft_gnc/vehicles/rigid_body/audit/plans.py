@@ -18,7 +18,7 @@ from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels as kernels
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 PENALISED: Final = ("shooting", "neighboring_extremal", "fsolve")
 HARD: Final = "slsqp"
@@ -102,7 +102,7 @@ class Certifier:
         if method == HARD:
             return cls._hard(problem_of(scenario))
         if method == TERMINAL:
-            from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set import (
+            from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set.controller import (
                 TerminalSetController,
             )
 

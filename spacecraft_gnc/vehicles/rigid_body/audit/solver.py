@@ -30,7 +30,7 @@ from spacecraft_gnc.vehicles.rigid_body.audit.rungs import NO_SOLVE, LadderAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.standstills import STANDSTILLS, StandstillAudit
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 _UNSOLVED: Final = [source for source in Source if source.is_fallback] + [
     Source.NEIGHBORING_EXTREMAL

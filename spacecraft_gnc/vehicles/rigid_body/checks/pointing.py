@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.problems import shown
-from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.checked import Checked
 from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.vehicles import registry
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
     Cone,
     angle_of,
@@ -20,6 +20,8 @@ from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
     implies,
     leave_nothing,
 )
+from spacecraft_gnc.vehicles.rigid_body.chosen import is_governed
+from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE
 
 _CONTROLLER: Final = "nmpc_controller"
 _ATTITUDES: Final = {
@@ -80,9 +82,9 @@ def zones_of(checked: Checked) -> list[Cone]:
 
 def _are_soft(checked: Checked) -> bool:
     """Tell whether zones are terms of the cost, which a flight may violate on its way out."""
-    is_hard = checked.get("reference_governor", "governor") in ("attitude", None)
-    method = str(checked.get(_CONTROLLER, "method"))
-    return not is_hard and "torque_penalty" in registry.traits(method).reads
+    is_hard = is_governed(checked) or checked.get("reference_governor", "governor") is None
+    method = registry.known_method(VEHICLE, str(checked.get(_CONTROLLER, "method")))
+    return not is_hard and "torque_penalty" in method.reads
 
 
 def _complain_of_attitude(checked: Checked, what: str, zone: Cone, angle: float) -> None:

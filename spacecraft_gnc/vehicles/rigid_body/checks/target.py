@@ -18,8 +18,8 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.problems import shown
-from spacecraft_gnc.scenario.checked import Checked
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing import attitude_of, zones_of
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
@@ -27,23 +27,24 @@ from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
     Cone,
     leave_nothing,
 )
+from spacecraft_gnc.vehicles.rigid_body.chosen import is_governed, method_reads
+from spacecraft_gnc.vehicles.rigid_body.controllers.feedback import FeedbackParameters
 
 _GOVERNOR: Final = "reference_governor"
 _CONTROLLER: Final = "nmpc_controller"
-_NAME: Final = "attitude"
 _ROUNDING: Final = 1e-9  # relative
 
 
 def check_target(checked: Checked) -> None:
     """Add a problem for each reason why the governor ``attitude`` could not begin."""
-    if checked.get(_GOVERNOR, "governor") != _NAME:
+    if not is_governed(checked):
         return
     margin = checked.get(_GOVERNOR, "steady_margin_deg")
     if isinstance(margin, float):
         _check_references(checked, math.radians(margin))
         _check_clearance(checked, margin)
     _check_momentum(checked)
-    if checked.get(_CONTROLLER, "method") == "feedback":
+    if method_reads(checked, FeedbackParameters):
         _check_feedback(checked)
 
 

@@ -8,11 +8,12 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.problems import shown
-from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.checked import Checked
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing import attitude_of
+from spacecraft_gnc.vehicles.rigid_body.chosen import is_governed, own_method
+from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE
 
 _CONTROLLER: Final = "nmpc_controller"
 _GOVERNOR: Final = "reference_governor"
@@ -87,7 +88,7 @@ def _check_torque_weight(checked: Checked, columns: int) -> None:
     """Refuse a 3x3 weight on commands that are not three."""
     name = "weights.stage_torque"
     value = checked.get(_CONTROLLER, name)
-    if columns == 3 or not isinstance(value, list) or not _is_built_in(checked, "controllers"):
+    if columns == 3 or not isinstance(value, list) or own_method(checked) is None:
         return
     weight = np.array(value).reshape(3, 3)
     if (weight != weight[0, 0] * np.eye(3)).any():
@@ -133,7 +134,7 @@ def _torque_limits(checked: Checked, gain: float) -> list[tuple[float, str]]:
     own = checked.get(_CONTROLLER, "max_torque")
     limits = [(gain * own, f"{_CONTROLLER}.max_torque")] if isinstance(own, float) else []
     kept = checked.get(_GOVERNOR, "max_torque")
-    if checked.get(_GOVERNOR, "governor") == "attitude" and isinstance(kept, float):
+    if is_governed(checked) and isinstance(kept, float):
         limits.append((kept, f"{_GOVERNOR}.max_torque"))
     return [limit for limit in limits if limit[0] > 0.0]
 
@@ -161,9 +162,5 @@ def _steers(checked: Checked) -> bool:
     """Tell whether a controller and a vehicle that keep to the torque limit fly."""
     nodes = checked.get("launcher", "nodes")
     flies = isinstance(nodes, list) and _CONTROLLER in nodes
-    return flies and _is_built_in(checked, "controllers") and _is_built_in(checked, "plants")
-
-
-def _is_built_in(checked: Checked, group: str) -> bool:
-    section, _, name = registry.KEYS[group].partition(".")
-    return checked.get(section, name) in registry.BUILT_IN[group]
+    is_ours = checked.get("plant", "vehicle") == VEHICLE.name and own_method(checked) is not None
+    return flies and is_ours

@@ -8,14 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, Protocol
+from typing import Final, Protocol
 
 import numpy as np
 
 from spacecraft_gnc.arguments import require_members
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
-from spacecraft_gnc.loop.traits import FSOLVE, NEIGHBORING_EXTREMAL, SHOOTING, SLSQP
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
     AutomaticContinuation,
@@ -36,13 +35,11 @@ from spacecraft_gnc.ocp import (
     linearize,
 )
 from spacecraft_gnc.ocp.reference import Tracked
-from spacecraft_gnc.ocp.zones import zones_of
 from spacecraft_gnc.types import Array, ArrayLike
 from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
 from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
+from spacecraft_gnc.vehicles.rigid_body.zones import zones_of
 
 
 class Solver(Protocol):
@@ -158,7 +155,6 @@ class ShootingController(SolverController):
     """``method: shooting``: Newton's method on the first-order conditions."""
 
     name = "shooting"
-    traits = SHOOTING
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> ShootingController:
@@ -172,7 +168,6 @@ class OnlineNeighboringController(SolverController):
     """``method: neighboring_extremal``: corrections of the last optimum, solves where needed."""
 
     name = "neighboring_extremal"
-    traits = NEIGHBORING_EXTREMAL
 
     def __init__(
         self,
@@ -210,7 +205,6 @@ class SlsqpController(SolverController):
 
     name = "slsqp"
     slow = True
-    traits = SLSQP
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> SlsqpController:
@@ -224,7 +218,6 @@ class FsolveController(SolverController):
 
     name = "fsolve"
     slow = True
-    traits = FSOLVE
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> FsolveController:
@@ -274,7 +267,7 @@ def problem_of(scenario: Scenario) -> AttitudeOcp:
     c = scenario.controller
     w = c.weights
     return AttitudeOcp(
-        inertia=c.inertia,
+        inertia=known_inertia(scenario, "nmpc_controller", c.inertia),
         time_step=c.time_step,
         horizon=c.horizon,
         weights=Weights(

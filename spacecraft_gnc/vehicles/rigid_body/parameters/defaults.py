@@ -6,28 +6,23 @@ weights are those of one nondimensional problem: of the law u = -J (omega^2 eta 
 critically damped, with the terminal weights that give about this law at any horizon from 2 steps on
 (test/scenario/test_defaults.py; docs/tuning.md derives them).
 
-Each formula stands in words beside its parameter in `schema`; docs/scenario.md prints them.
+Each formula stands in words beside its parameter; docs/scenario.md prints them.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Final, TypeAlias
 
 import numpy as np
 
+from spacecraft_gnc.parameters.checked import Checked
+from spacecraft_gnc.parameters.formulas import Formula
 from spacecraft_gnc.parameters.parameter import LARGEST, LARGEST_WEIGHT, LONGEST, SHORTEST, Value
-from spacecraft_gnc.parameters.values import Refusal, admissible, plain
-from spacecraft_gnc.scenario.checked import Checked
-from spacecraft_gnc.scenario.declare import spec_of, zone_of
 from spacecraft_gnc.types import Array, Matrix3
-from spacecraft_gnc.vehicles.rigid_body.parameters.known import (
-    SATURATION,
-    SETTLING,
-    Missing,
-    Values,
-)
+from spacecraft_gnc.vehicles.rigid_body.parameters.known import SATURATION, SETTLING, Values
 
 _PLANT: Final = "plant"
 _CONTROLLER: Final = "nmpc_controller"
@@ -54,54 +49,16 @@ FLATTEST: Final = 1e-3
 """Share of tr(J) that keeps the feedback gain of a flat body positive definite."""
 _NANOSECOND: Final = 1e-9
 
-Stated: TypeAlias = Mapping[str, Mapping[str, Value]]
-"""Section -> dotted name -> the default that counts in place of the formula's."""
 
-
-def fill_in(checked: Checked, stated: Stated) -> None:
-    """Work out the defaults that follow from other values, in the order of their dependence."""
-    for section, defaults in stated.items():
-        for name, default in defaults.items():
-            _take_stated(checked, section, name, default)
-    values = Values(checked)
-    for section, name, formula in _formulas(checked):
-        if name in checked.defaults[section]:
-            continue
-        try:
-            with np.errstate(all="ignore"):
-                _take(checked, section, name, plain(formula(values)))
-        except (Missing, np.linalg.LinAlgError):
-            continue  # a value that was refused, or that `checks` refuses
-
-
-def follows_from_formula(section: str, name: str) -> bool:
-    """Tell whether a parameter's default follows from other values."""
-    if section == _CONTROLLER and name.startswith("zones.") and name.endswith(".penalty"):
-        return True
-    return any((section, name) == formula[:2] for formula in _FORMULAS)
-
-
-def _take_stated(checked: Checked, section: str, name: str, default: Value) -> None:
-    """Take a default that a recording states, if it is one of what that holds."""
-    spec, zone = spec_of(section, name, default), zone_of(name)
-    if spec is None or (zone is not None and zone not in checked.zone_names()):
-        return
-    try:
-        _take(checked, section, name, admissible(spec, default, coerce=True))
-    except Refusal as refusal:
-        remedy = f"{refusal.remedy} in the defaults that the recording states"
-        checked.complain(section, name, refusal.received, refusal.requirement, remedy)
-
-
-def _take(checked: Checked, section: str, name: str, default: Value) -> None:
-    checked.defaults[section][name] = default
-    if name not in checked.given.get(section, {}) or checked.get(section, name) == []:
-        checked.values[section][name] = default
-
-
-def _formulas(checked: Checked) -> list[tuple[str, str, Callable[[Values], Value]]]:
-    zones = [(_CONTROLLER, f"zones.{n}.penalty", _zone_penalty) for n in checked.zone_names()]
-    return [*_FORMULAS, *zones]
+def formulas(checked: Checked) -> Iterator[Formula]:
+    """Yield the formula of each default, in the order of their dependence."""
+    known = Values(checked)
+    zones = [
+        (_CONTROLLER, f"zones.{name}.penalty", _zone_penalty)
+        for name in checked.elements(_CONTROLLER, "zones")
+    ]
+    for section, name, formula in (*_FORMULAS, *zones):
+        yield Formula(section, name, partial(formula, known))
 
 
 def _settling_time(known: Values) -> float:

@@ -12,7 +12,6 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc.parameters.parameter import Value
-from spacecraft_gnc.vehicles.rigid_body.parameters.defaults import Stated
 
 _PLANT: Final[Mapping[str, Value]] = {"time_step": 0.4, "duration": 150.0}
 _CONTROLLER: Final[Mapping[str, Value]] = {
@@ -29,7 +28,9 @@ _ZONE_PENALTY: Final = 1000.0
 _BANDWIDTH: Final = 0.05  # of the feedback law, in units of 1 / period
 
 
-def former_defaults(sections: Mapping[str, Mapping[str, Value]]) -> Stated:
+def former_defaults(
+    sections: Mapping[str, Mapping[str, Value]],
+) -> Mapping[str, Mapping[str, Value]]:
     """Return the defaults that a scenario took.
 
     Parameters

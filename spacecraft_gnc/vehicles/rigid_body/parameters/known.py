@@ -8,9 +8,10 @@ from typing import Final
 
 import numpy as np
 
-from spacecraft_gnc.scenario import registry
-from spacecraft_gnc.scenario.checked import Checked
+from spacecraft_gnc.parameters.checked import Checked
+from spacecraft_gnc.parameters.formulas import Missing
 from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.vehicles.rigid_body.chosen import own_method
 
 _PLANT: Final = "plant"
 _CONTROLLER: Final = "nmpc_controller"
@@ -20,10 +21,6 @@ SATURATION: Final = 4.0
 """J omega^2 over the torque limit: the law saturates beyond 0.25 rad, and its overshoot from half a
 turn stays small."""
 _NEGLIGIBLE: Final = 1e-9
-
-
-class Missing(Exception):
-    """A value that a formula needs was refused."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +49,8 @@ class Values:
 
     def is_given_and_read(self, name: str) -> bool:
         """Tell whether a parameter of the controller was given, and its method reads it."""
-        method = self.checked.get(_CONTROLLER, "method")
-        known = registry.BUILT_IN["controllers"].get(str(method))
-        is_read = known is None or name in known.traits.reads
+        method = own_method(self.checked)
+        is_read = method is None or name in method.reads
         return is_read and name in self.checked.given.get(_CONTROLLER, {})
 
     def weight(self, name: str) -> Matrix3:

@@ -4,23 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
-from spacecraft_gnc.parameters.parameter import Value
-from spacecraft_gnc.parameters.problems import Problem, shown, suggestion
+from spacecraft_gnc.parameters.declare import PLUGIN_PREFIX, Declaration, Schema
+from spacecraft_gnc.parameters.parameter import Value, typed_section
+from spacecraft_gnc.parameters.problems import Problem, shown
 from spacecraft_gnc.parameters.values import Refusal, admissible
 from spacecraft_gnc.parameters.yaml_file import Entry, Given
-from spacecraft_gnc.scenario.declare import (
-    Declaration,
-    declarations,
-    is_ros_own,
-    known_names,
-    spec_of,
-    zone_of,
-)
-from spacecraft_gnc.scenario.schema import SECTIONS
 
 _ROUNDING: Final = 1e-9
 
@@ -29,6 +21,8 @@ _ROUNDING: Final = 1e-9
 class Checked:
     """What was given, what of it holds, and what does not."""
 
+    schema: Schema
+    """Of the sections: those of the vehicle, and what every graph has."""
     source: str
     """File (or caller) to blame for what is missing."""
     given: Given
@@ -36,19 +30,39 @@ class Checked:
     problems: list[Problem]
     warnings: list[str] = field(default_factory=list)
     """What to know before it flies, one line each."""
+    unknown: list[tuple[str, str]] = field(default_factory=list)
+    """(section, name) of what was given and is no parameter."""
     values: dict[str, dict[str, Value]] = field(default_factory=dict)
     """Section -> every parameter by dotted name, defaults included; refused ones are absent."""
     defaults: dict[str, dict[str, Value]] = field(default_factory=dict)
-    """Section -> the defaults that formulas give (`defaults`), by dotted name."""
+    """Section -> the defaults that formulas give (`formulas`), by dotted name."""
 
     def get(self, section: str, name: str) -> Value | None:
         """Return an admissible value; None where it was refused."""
         return self.values[section].get(name)
 
+    def effective(self, section: str, name: str) -> Value | None:
+        """Return the value that counts: that of another parameter where this one is left open."""
+        value = self.get(section, name)
+        spec = self.schema.spec_of(section, name, value)
+        if spec is None or not spec.otherwise or value != spec.default:
+            return value
+        other, _, key = spec.otherwise.partition(".")
+        return self.get(other, key)
+
+    def section(self, section: str) -> Any:
+        """Return the typed section; every value of it has to be admissible."""
+        parameters, further = self.schema.sections[section], {}
+        effective = {name: self.effective(section, name) for name in self.values[section]}
+        known = {name: value for name, value in effective.items() if value is not None}
+        if self.schema.is_node(section):
+            further["plugin"] = self.plugin(section)
+        return typed_section(parameters, known, **further)
+
     def is_changed(self, section: str, name: str) -> bool:
         """Tell whether a value was given, admitted, and is not the default."""
         value = self.get(section, name)
-        spec = spec_of(section, name, value)
+        spec = self.schema.spec_of(section, name, value)
         if value is None or spec is None:
             return False
         default = self.defaults[section].get(name, spec.default)
@@ -59,18 +73,24 @@ class Checked:
         entry = self.given.get(section, {}).get(name)
         return entry is not None and entry.line is None
 
-    def zone_names(self) -> tuple[str, ...]:
-        """Return the zones that are defined, in the order of the file."""
-        names = (zone_of(name) for name in self.given.get("nmpc_controller", {}))
-        return tuple(dict.fromkeys(name for name in names if name is not None))
+    def elements(self, section: str, field: str) -> tuple[str, ...]:
+        """Return the named groups of a field that are defined, in the order of the file."""
+        given = self.given.get(section, {})
+        found = (self.schema.element_of(section, name) for name in given)
+        return tuple(dict.fromkeys(e.name for e in found if e is not None and e.field == field))
+
+    def declarations(self, section: str) -> tuple[Declaration, ...]:
+        """Return the declarations of a section, with the groups and plug-in parameters given."""
+        fields = [field for field, _ in self.schema.named_groups(section)]
+        elements = {field: self.elements(section, field) for field in fields}
+        return self.schema.declarations(section, elements, self.plugin(section))
 
     def plugin(self, section: str) -> dict[str, Value]:
         """Return the given parameters ``plugin.<name>`` without their prefix."""
-        prefix = "plugin."
         return {
-            name.removeprefix(prefix): entry.value
+            name.removeprefix(PLUGIN_PREFIX): entry.value
             for name, entry in self.given.get(section, {}).items()
-            if name.startswith(prefix) and entry.value is not None
+            if name.startswith(PLUGIN_PREFIX) and entry.value is not None
         }
 
     def complain(self, section: str, name: str, value: str, requirement: str, remedy: str) -> None:
@@ -89,30 +109,24 @@ class Checked:
         return (entry.file, entry.line) if entry else (self.source, None)
 
 
-def check_values(given: Given, source: str, problems: list[Problem]) -> Checked:
+def check_values(schema: Schema, given: Given, source: str, problems: list[Problem]) -> Checked:
     """Check every value by itself and fill in the defaults, but for those of formulas."""
-    checked = Checked(source, given, problems)
-    for section in SECTIONS:
+    checked = Checked(schema, source, given, problems)
+    for section in schema.sections:
         checked.values[section], checked.defaults[section] = {}, {}
         for name, entry in checked.given.get(section, {}).items():
             _check_entry(checked, section, name, entry)
-        for declaration in all_declarations(checked, section):
+        for declaration in checked.declarations(section):
             _fill_in(checked, section, declaration)
     return checked
 
 
-def all_declarations(checked: Checked, section: str) -> tuple[Declaration, ...]:
-    """Return the declarations of a section, with the zones and plug-in parameters given."""
-    zones = checked.zone_names() if section == "nmpc_controller" else ()
-    return declarations(section, zones, checked.plugin(section))
-
-
 def _check_entry(checked: Checked, section: str, name: str, entry: Entry) -> None:
-    if is_ros_own(section, name) or entry.value is None:
+    if checked.schema.is_ros_own(section, name) or entry.value is None:
         return
-    spec = spec_of(section, name, entry.value)
+    spec = checked.schema.spec_of(section, name, entry.value)
     if spec is None:
-        _unknown(checked, section, name)
+        checked.unknown.append((section, name))
         return
     try:
         value = admissible(spec, entry.value, entry.coerce, entry.written)
@@ -121,20 +135,12 @@ def _check_entry(checked: Checked, section: str, name: str, entry: Entry) -> Non
         checked.complain(section, name, refusal.received, refusal.requirement, refusal.remedy)
 
 
-def _unknown(checked: Checked, section: str, name: str) -> None:
-    known = known_names(section, zone_of(name))
-    elsewhere = [other for other in SECTIONS if name in known_names(other)]
-    remedy = f"move it to {elsewhere[0]}" if elsewhere else suggestion(name, known)
-    need = f"a parameter of {section}"
-    checked.complain(section, name, "an unknown parameter", need, remedy)
-
-
 def _fill_in(checked: Checked, section: str, declaration: Declaration) -> None:
     name, spec = declaration
     entry = checked.given.get(section, {}).get(name)
     if entry is None and not spec.formula:
         checked.values[section][name] = spec.default
-    if spec.required and name.startswith("zones."):
+    if spec.required and checked.schema.element_of(section, name) is not None:
         value = checked.get(section, name)
         if entry is None or value == []:
             received = "nothing" if entry is None else shown(entry.value)

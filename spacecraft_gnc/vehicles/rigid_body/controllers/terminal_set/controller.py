@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop.traits import TERMINAL_SET
 from spacecraft_gnc.ocp import ShootingOptions, Status, TerminalSetOcp, TerminalSetSolver
-from spacecraft_gnc.ocp.zones import zones_of
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import SolverController
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
+from spacecraft_gnc.vehicles.rigid_body.zones import zones_of
 
 
 class TerminalSetController(SolverController):
@@ -26,7 +22,6 @@ class TerminalSetController(SolverController):
     """
 
     name = "terminal_set"
-    traits = TERMINAL_SET
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> TerminalSetController:
@@ -49,7 +44,7 @@ class TerminalSetController(SolverController):
         """Return the optimal control problem of a scenario's section ``nmpc_controller``."""
         c = scenario.controller
         return TerminalSetOcp(
-            inertia=c.inertia,
+            inertia=known_inertia(scenario, "nmpc_controller", c.inertia),
             time_step=c.time_step,
             horizon=c.horizon,
             stage_attitude=c.weights.stage_attitude,

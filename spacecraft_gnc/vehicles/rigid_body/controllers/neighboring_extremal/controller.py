@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
-from spacecraft_gnc.loop.traits import NEIGHBORING_EXTREMAL
 from spacecraft_gnc.ocp import NominalRun, ShootingSolver, Solution, fly_nominal
 from spacecraft_gnc.ocp.reference import is_moving
 from spacecraft_gnc.types import Array, Matrix3, Vector3
@@ -20,9 +17,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     options_of,
     problem_of,
 )
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 
 class NominalRunController:
@@ -114,16 +109,8 @@ class NominalRunController:
         return self._run
 
 
-class NeighboringExtremalController:
-    """The registry's entry: along a nominal run where one is given, else on line."""
-
-    traits = NEIGHBORING_EXTREMAL
-
-    @staticmethod
-    def from_scenario(
-        scenario: Scenario,
-    ) -> NominalRunController | OnlineNeighboringController:
-        """Build the controller of a scenario's section ``nmpc_controller``."""
-        if np.isnan(scenario.controller.nominal_rotation_vector).any():
-            return OnlineNeighboringController.from_scenario(scenario)
-        return NominalRunController.from_scenario(scenario)
+def from_scenario(scenario: Scenario) -> NominalRunController | OnlineNeighboringController:
+    """Return the controller along a nominal run where one is given, else the on-line one."""
+    if np.isnan(scenario.controller.nominal_rotation_vector).any():
+        return OnlineNeighboringController.from_scenario(scenario)
+    return NominalRunController.from_scenario(scenario)

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacecraft_gnc.arguments import require_kind, require_positive
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.loop.protocols import Command, Reference, Source, State
-from spacecraft_gnc.loop.traits import FEEDBACK
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 
 
 class FeedbackController:
@@ -32,7 +28,6 @@ class FeedbackController:
 
     name = "feedback"
     slow = False
-    traits = FEEDBACK
 
     def __init__(self, feedback: AttitudeFeedback, period: float) -> None:
         self.feedback = require_kind("feedback", feedback, AttitudeFeedback)
@@ -41,7 +36,10 @@ class FeedbackController:
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> FeedbackController:
         """Build the controller of a scenario's section ``nmpc_controller``."""
-        return cls(AttitudeFeedback.from_scenario(scenario), scenario.period)
+        c = scenario.controller
+        inertia = known_inertia(scenario, "nmpc_controller", c.inertia)
+        gains = c.feedback_attitude_gain, c.feedback_momentum_gain
+        return cls(AttitudeFeedback(*gains, inertia, c.max_torque), scenario.period)
 
     def warm_up(self) -> None:
         """Load the kernel."""

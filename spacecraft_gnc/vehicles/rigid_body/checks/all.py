@@ -1,0 +1,20 @@
+"""Every check of a rigid body's scenario."""
+
+from __future__ import annotations
+
+from spacecraft_gnc.parameters.checked import Checked
+from spacecraft_gnc.vehicles.rigid_body.checks.body import check_inertia, check_momentum
+from spacecraft_gnc.vehicles.rigid_body.checks.method import check_method
+from spacecraft_gnc.vehicles.rigid_body.checks.pointing import check_pointing
+from spacecraft_gnc.vehicles.rigid_body.checks.target import check_target
+from spacecraft_gnc.vehicles.rigid_body.checks.torque import check_torque
+
+
+def check(checked: Checked) -> None:
+    """Add a problem for each pair of values that do not fit together."""
+    check_method(checked)
+    check_inertia(checked)
+    check_momentum(checked)
+    check_pointing(checked)
+    check_target(checked)
+    check_torque(checked)

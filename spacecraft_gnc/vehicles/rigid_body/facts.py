@@ -1,0 +1,71 @@
+"""What ``gnc check`` says of a rigid body's scenario."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.governors.laws import NONE
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
+
+
+def facts(scenario: Scenario, expected: Outlook) -> Facts:
+    """Return what a scenario would fly."""
+    plant, controller, governor = scenario.plant, scenario.controller, scenario.governor
+    moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(plant.inertia))
+    momentum = float(np.linalg.norm(plant.initial_momentum))
+    error = _initial_error_deg(scenario)
+    horizon = controller.horizon if "horizon" in scenario.method.reads else None
+    zones = [f"{z.name} ({z.kind}, {z.half_angle_deg:g} deg)" for z in controller.zones]
+    limits = (("torque", governor.max_torque, "N m"), ("momentum", governor.max_momentum, "N m s"))
+    kept = [f"{what} limit {value:g} {unit}" for what, value, unit in limits if value > 0.0]
+    return Facts(
+        body=f"principal moments {moments} kg m^2{_belief(scenario)}",
+        start=f"{error:.4g} deg from the target, |Pi| {momentum:g} N m s",
+        controller="" if horizon is None else f"horizon {horizon} steps",
+        rows=(
+            ("torque limit", f"{controller.max_torque:g} N m" if controller.max_torque else "none"),
+            ("settling", expected.settling),
+            ("zones", ", ".join(zones) or "none"),
+        ),
+        governor=", ".join([*kept, *_reservation(scenario)]),
+        numbers={
+            "initial_error_deg": error,
+            "horizon": horizon,
+            "max_torque": controller.max_torque,
+            "zones": [zone.name for zone in controller.zones],
+            **expected.numbers,
+        },
+    )
+
+
+def _belief(scenario: Scenario) -> str:
+    """Return the principal moments that the controller believes, where they are others."""
+    believed = scenario.controller.inertia
+    if np.array_equal(believed, scenario.plant.inertia):
+        return ""
+    moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(believed))
+    return f", believed {moments} kg m^2"
+
+
+def _reservation(scenario: Scenario) -> list[str]:
+    """Return what a governor's guarantee rests on where the controller believes another body."""
+    is_ahead = scenario.governor.governor != NONE.name and bool(_belief(scenario))
+    return ["whose limits are sure for the believed inertia only"] if is_ahead else []
+
+
+def _initial_error_deg(scenario: Scenario) -> float:
+    """Return the angle between the initial and the target attitude [deg]."""
+    start = _quaternion(scenario.plant.initial_rotation_vector)
+    target = _quaternion(scenario.governor.target_rotation_vector)
+    return math.degrees(2.0 * math.acos(min(1.0, abs(float(start @ target)))))
+
+
+def _quaternion(rotation_vector: Array) -> Array:
+    """Return the unit quaternion (4,), scalar first, of a rotation vector (3,) [rad]."""
+    angle = float(np.linalg.norm(rotation_vector))
+    vector = 0.5 * np.sinc(0.5 * angle / math.pi) * rotation_vector
+    return np.array([math.cos(0.5 * angle), *vector])

@@ -1,0 +1,1 @@
+"""Governor laws of a rigid body: what builds each one from a scenario."""

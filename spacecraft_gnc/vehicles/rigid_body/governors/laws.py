@@ -1,0 +1,25 @@
+"""Governor laws of the rigid body."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from spacecraft_gnc.lazy import Lazy
+from spacecraft_gnc.vehicles.rigid_body.parameters.governor import (
+    AttitudeLawParameters,
+    NoLawParameters,
+)
+from spacecraft_gnc.vehicles.vehicle import GovernorLaw
+
+NONE: Final = GovernorLaw(
+    name="none",
+    build=Lazy(f"{__package__}.build:pass_through"),
+    parameters=NoLawParameters,
+    looks_ahead=False,
+)
+ATTITUDE: Final = GovernorLaw(
+    name="attitude",
+    build=Lazy(f"{__package__}.build:attitude_governor"),
+    parameters=AttitudeLawParameters,
+)
+LAWS: Final[tuple[GovernorLaw, ...]] = (NONE, ATTITUDE)

@@ -1,0 +1,131 @@
+"""Parameters of ``reference_governor``: the target, and how the reference gets there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from spacecraft_gnc.parameters.parameter import ANGLES, LARGEST, Kind, parameter
+from spacecraft_gnc.parameters.sections import GovernorHost
+from spacecraft_gnc.types import Vector3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TargetParameters(GovernorHost):
+    """What every governor reads: the target, and when a slew has arrived."""
+
+    target_rotation_vector: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [0.0, 0.0, 0.0],
+        "target attitude exp(hat(.)), body to inertial",
+        unit="rad",
+        shape=(3,),
+        **ANGLES,
+    )
+    slew_tolerance_deg: float = parameter(
+        Kind.DOUBLE,
+        0.1,
+        "attitude error under which a slew has arrived",
+        unit="deg",
+        above=0.0,
+        maximum=180.0,
+    )
+    slew_rate_tolerance: float = parameter(
+        Kind.DOUBLE,
+        1.0,
+        "body rate under which a slew has arrived",
+        unit="rad/s",
+        above=0.0,
+        formula="slew_tolerance_deg pi / 180 omega",
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AttitudeLawParameters:
+    """What ``governor: attitude`` reads."""
+
+    initial_reference_rotation_vector: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "attitude: reference before the first step, exp(hat(.)); empty: the attitude at that step",
+        unit="rad",
+        shape=(3,),
+        may_be_empty=True,
+        **ANGLES,
+    )
+    max_torque: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "attitude: largest norm of the torque that the governed loop may command; 0: no limit",
+        unit="N m",
+        minimum=0.0,
+        maximum=LARGEST,
+    )
+    max_momentum: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "attitude: largest norm of the angular momentum; 0: no limit",
+        unit="N m s",
+        minimum=0.0,
+        maximum=LARGEST,
+    )
+    steady_margin_deg: float = parameter(
+        Kind.DOUBLE,
+        0.1,
+        "attitude: angle to every zone that a reference keeps at rest",
+        unit="deg",
+        above=0.0,
+        below=90.0,
+    )
+    lyapunov_level: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "attitude, feedback: level of the invariant set around a reference; 0: computed",
+        unit="J",
+        minimum=0.0,
+        maximum=LARGEST,
+    )
+    prediction_horizon: int = parameter(
+        Kind.INTEGER,
+        0,
+        "attitude: steps of a prediction; 0: computed for the loop",
+        unit="steps",
+        minimum=0,
+        maximum=1_000_000,
+    )
+    alpha_tolerance: float = parameter(
+        Kind.DOUBLE,
+        1.0e-6,
+        "attitude: interval of alpha at which the bisection ends",
+        above=0.0,
+        below=1.0,
+    )
+    cut_point_shift: float = parameter(
+        Kind.DOUBLE,
+        0.01,
+        "attitude: share of half a turn by which a target opposite to the reference is moved",
+        above=0.0,
+        below=1.0,
+    )
+    route: bool = parameter(
+        Kind.BOOL,
+        True,
+        "attitude: go round a zone across the way by intermediate references",
+    )
+    route_clearance_deg: float = parameter(
+        Kind.DOUBLE,
+        2.0,
+        "attitude: angle to every zone that intermediate references keep",
+        unit="deg",
+        above=0.0,
+        below=90.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NoLawParameters:
+    """What ``governor: none`` reads: nothing beside the target."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GovernorParameters(AttitudeLawParameters, TargetParameters):
+    """Section ``reference_governor``."""

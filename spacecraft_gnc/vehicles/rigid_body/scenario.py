@@ -1,0 +1,73 @@
+"""What the room reads of a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+
+from spacecraft_gnc.loop.protocols import Controller
+from spacecraft_gnc.parameters.problems import InvalidScenario, Problem
+from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
+from spacecraft_gnc.vehicles.rigid_body.parameters.governor import GovernorParameters
+from spacecraft_gnc.vehicles.rigid_body.parameters.plant import PlantParameters
+from spacecraft_gnc.vehicles.vehicle import Method
+
+
+class Scenario(Protocol):
+    """A checked scenario of a rigid body (`scenario.Scenario`)."""
+
+    @property
+    def path(self) -> str:
+        """Where it comes from."""
+
+    @property
+    def plant(self) -> PlantParameters:
+        """Section ``plant``."""
+
+    @property
+    def controller(self) -> ControllerParameters:
+        """Section ``nmpc_controller``."""
+
+    @property
+    def governor(self) -> GovernorParameters:
+        """Section ``reference_governor``."""
+
+    @property
+    def sections(self) -> Mapping[str, Mapping[str, Any]]:
+        """What was given, by section."""
+
+    @property
+    def method(self) -> Method:
+        """Method of the controller."""
+
+    @property
+    def period(self) -> float:
+        """Control period [s]."""
+
+    @property
+    def substeps(self) -> int:
+        """Integrator steps in one control period."""
+
+    @property
+    def n_steps(self) -> int:
+        """Whole control steps in the duration."""
+
+    def build_controller(self) -> Controller:
+        """Return a controller of the scenario."""
+
+
+def known_inertia(scenario: Scenario, section: str, inertia: Matrix3) -> Matrix3:
+    """Return an inertia (3, 3) of a section; NaN stands for one that was not given.
+
+    Raises
+    ------
+    InvalidScenario
+        If it was not given.
+    """
+    if np.isnan(inertia).any():
+        key, need = f"{section}.inertia", "9 numbers (3x3, row-major) [kg m^2]"
+        raise InvalidScenario([Problem(scenario.path, None, key, "nothing", need, "add it")])
+    return inertia
