@@ -23,6 +23,7 @@ LAYERS = (
     {"governors"},
     {"parameters"},
     {"loop"},
+    {"plant"},
     # Until the redesign has put the shells above the vehicles, one layer.
     {"drawing"},
     {"vehicles", "scenario", "recording", "audit", "analysis"},

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Final
+
 import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.loop.protocols import Invariants, State
+from spacecraft_gnc.plant.disturbances import Disturbances, Motion
 from spacecraft_gnc.types import (
     ArrayLike,
     Vector3,
@@ -16,6 +20,8 @@ from spacecraft_gnc.types import (
     read_only,
 )
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
+
+_NO_TORQUE: Final = read_only(np.zeros(3))
 
 
 class RigidBodyPlant:
@@ -33,6 +39,8 @@ class RigidBodyPlant:
         Control steps of the scenario.
     substeps : int
         Integrator steps in one control period, over which the torque is held.
+    disturbances : Disturbances, optional
+        External torques, whose sum is held over the control period like the torque.
 
     Raises
     ------
@@ -47,6 +55,7 @@ class RigidBodyPlant:
         momentum: ArrayLike,
         n_steps: int,
         substeps: int = 1,
+        disturbances: Disturbances | None = None,
     ) -> None:
         remedy = "lengthen the duration to one control period or more"
         self.body = require_kind("body", body, RigidBody)
@@ -56,8 +65,9 @@ class RigidBodyPlant:
         self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
         initial = State(0, as_rotation("attitude", attitude), as_vector3("momentum", momentum))
         body.require_solvable("momentum", initial.momentum)
+        self.disturbances = Disturbances() if disturbances is None else disturbances
         self._initial = initial
-        self._state = initial
+        self._state, self._external = initial, _NO_TORQUE
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> RigidBodyPlant:
@@ -76,6 +86,11 @@ class RigidBodyPlant:
         """State at the start of the current control step."""
         return self._state
 
+    @property
+    def external_torque(self) -> Vector3:
+        """Torque of the disturbances (3,) [N m] over the last control step; zero at step 0."""
+        return self._external
+
     def step(self, torque: Vector3) -> State:
         """Hold ``torque`` (3,) [N m] for one control period and return the new state.
 
@@ -85,9 +100,28 @@ class RigidBodyPlant:
             If the momentum has grown so large that a step does not exist (Kalabic (3)).
         """
         k, attitude, momentum = self._state
+        external = self._external
+        if self.disturbances:
+            external = self.disturbances.torque(*self._middle(torque))
+            torque = torque + external
         attitude, momentum = self.body.step(attitude, momentum, torque, self.substeps)
-        self._state = State(k + 1, read_only(attitude), read_only(momentum))
+        self._state, self._external = (
+            State(k + 1, read_only(attitude), read_only(momentum)),
+            external,
+        )
         return self._state
+
+    def _middle(self, torque: Vector3) -> Iterator[Motion]:
+        """Yield the motion at the ends of the one or two integrator steps in the middle.
+
+        Impulses come at the ends of integrator steps, so that this is where those of the control
+        step are centered. For a single one, it is the end of the step, which no torque changes.
+        """
+        (k, attitude, momentum), n, done = self._state, self.substeps, 0
+        for j in range((n + 1) // 2, n // 2 + 2):
+            attitude, momentum = self.body.step(attitude, momentum, torque, j - done)
+            done, time = j, (k * n + j) * self.body.time_step
+            yield Motion(k, time, attitude, self.body.angular_velocity(momentum))
 
     def invariants(self) -> Invariants:
         """Energy, inertial momentum and orthogonality error of the current state."""
@@ -106,4 +140,4 @@ class RigidBodyPlant:
 
     def reset(self) -> None:
         """Return to the initial state."""
-        self._state = self._initial
+        self._state, self._external = self._initial, _NO_TORQUE

@@ -1,0 +1,1 @@
+"""Parts that any vehicle composes inside its simulated plant."""

@@ -1,0 +1,15 @@
+"""Disturbances: external torques on the body, which the controller does not know."""
+
+from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.plant.disturbances.registry import build, names, refusals
+from spacecraft_gnc.plant.disturbances.sum import Disturbance, Disturbances, Motion
+
+__all__ = [
+    "Disturbance",
+    "DisturbanceParameters",
+    "Disturbances",
+    "Motion",
+    "build",
+    "names",
+    "refusals",
+]

@@ -1,0 +1,42 @@
+"""Constant body torque: a leak, or a misaligned thruster that burns all the time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.plant.disturbances.sum import Motion
+from spacecraft_gnc.types import ArrayLike, Matrix3, Vector3, as_vector3
+
+
+class ConstantTorque:
+    """A torque that is constant in the body frame.
+
+    Parameters
+    ----------
+    value : (3,) array
+        Torque, body frame [N m].
+
+    Raises
+    ------
+    ShapeError, ParameterError
+        If it is not three finite numbers.
+    """
+
+    def __init__(self, value: ArrayLike) -> None:
+        self.value = as_vector3("constant_torque", value)
+
+    @classmethod
+    def from_parameters(cls, parameters: DisturbanceParameters, _: Matrix3) -> ConstantTorque:
+        """Build it from ``constant_torque``."""
+        if np.isnan(parameters.constant_torque).all():
+            raise ParameterError(
+                "constant_torque: received nothing; required 3 numbers [N m] for the disturbance "
+                "'constant'; add it, such as [1.0e-4, 0.0, 0.0]"
+            )
+        return cls(parameters.constant_torque)
+
+    def torque(self, motion: Motion) -> Vector3:
+        """Return the torque (3,), body frame [N m]."""
+        return self.value

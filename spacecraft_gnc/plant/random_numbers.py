@@ -1,0 +1,47 @@
+"""Counter-based random numbers: the same for any number of workers, with or without ROS."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+
+from spacecraft_gnc.types import Array
+
+LARGEST_SEED = 2**63 - 1
+
+
+def standard_normals(seed: int, run: int, stream: str, step: int, count: int) -> Array:
+    """Return ``count`` independent standard normal numbers.
+
+    They depend on the arguments alone: there is no generator whose state somebody has to keep, and
+    a step can be drawn without those before it.
+
+    Parameters
+    ----------
+    seed, run : int
+        Master seed, and the run of a campaign: 0 to 2^63 - 1.
+    stream : str
+        What the numbers are for, such as ``"disturbances.noise"``. Streams of different names are
+        independent.
+    step : int
+        Control step, from 0.
+    count : int
+        How many.
+
+    Returns
+    -------
+    (count,) array
+
+    Notes
+    -----
+    Philox-4x64-10 with the key (seed, run); the counter starts at (0, stream, step, 0) and a step
+    has 2^64 blocks of it to itself. The bits are those of Philox on every machine; the normal
+    numbers made of them are NumPy's, and may differ between its releases.
+
+    Source: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
+    """
+    digest = hashlib.sha256(stream.encode()).digest()
+    number = int.from_bytes(digest[:8], "big") & LARGEST_SEED
+    bits = np.random.Philox(key=[seed, run], counter=[0, number, step, 0])
+    return np.random.Generator(bits).standard_normal(count)
