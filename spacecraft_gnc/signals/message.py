@@ -1,0 +1,58 @@
+"""A decoded message: its numbers where the layout says they lie."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from spacecraft_gnc.types import Array
+
+Stamp = tuple[int, int]
+"""Seconds and nanoseconds."""
+
+
+class Refused(Exception):
+    """A message that must not reach a core, and why."""
+
+
+class Message:
+    """A decoded message of a signal.
+
+    Parameters
+    ----------
+    slots
+        Its values in order of declaration; strings as bytes.
+    places
+        Where each field lies among them: one value, or a slice of several.
+    """
+
+    __slots__ = ("places", "slots")
+
+    def __init__(self, slots: tuple[Any, ...], places: Mapping[str, Any]) -> None:
+        self.slots = slots
+        self.places = places
+
+    @property
+    def stamp(self) -> Stamp:
+        """Time of its header."""
+        seconds, nanoseconds = self.slots[self.places["stamp"]]
+        return seconds, nanoseconds
+
+    @property
+    def step(self) -> int:
+        """Control step that it belongs to."""
+        step: int = self.slots[self.places["step"]]
+        return step
+
+    def __getitem__(self, name: str) -> Any:
+        """Return a field: a number, a tuple of numbers, or a text."""
+        value = self.slots[self.places[name]]
+        if isinstance(value, bytes):
+            return value.rstrip(b"\0").decode(errors="replace")
+        return value
+
+    def array(self, name: str) -> Array:
+        """Return the numbers (n,) of a field."""
+        return np.array(self.slots[self.places[name]])

@@ -1,0 +1,156 @@
+"""Signals of the rigid spacecraft: its state, its torque command, and what is told beside them."""
+
+from __future__ import annotations
+
+from typing import Any, Final, NamedTuple
+
+from spacecraft_gnc.loop.protocols import Source, State
+from spacecraft_gnc.signals import ANY, INFINITE, ROTATION, Field, Message, Rule, Signal
+from spacecraft_gnc.signals.attitude import (
+    ACCEPTED_TARGET,
+    ATTITUDE_ERROR,
+    BODY_FRAME,
+    GOVERNOR_STATUS,
+    INERTIAL_FRAME,
+    POSE,
+    REFERENCE,
+    TARGET,
+    quaternion_of,
+)
+from spacecraft_gnc.signals.graph import CONTROL, CONTROLLER, GOVERNOR, MOTION, PLANT, SETUP
+from spacecraft_gnc.signals.qos import latched
+from spacecraft_gnc.signals.structures import QUATERNION, VECTOR3
+from spacecraft_gnc.types import Vector3
+
+_OF_A_SOLVE: Final = Rule(when=("status", 0))
+"""Finite in what SolverStatus.CONVERGED says was found."""
+_MARGIN_OF_A_SOLVE: Final = INFINITE._replace(when=_OF_A_SOLVE.when)
+_SOURCE: Final = Rule(most=max(Source))
+_SOURCES: Final = tuple(Source)
+
+
+class Motion(NamedTuple):
+    """A state, and the body rate that the inertia makes of its momentum."""
+
+    state: State
+    angular_velocity: Vector3
+    """(3,) [rad/s]."""
+
+
+class Torque(NamedTuple):
+    """A torque as commanded or applied."""
+
+    torque: Vector3
+    """(3,) body frame [N m]."""
+    source: Source
+
+
+def _pack_motion(motion: Motion) -> tuple[Any, ...]:
+    _, attitude, momentum = motion.state
+    return attitude, quaternion_of(attitude), momentum, motion.angular_velocity
+
+
+def _unpack_state(message: Message) -> State:
+    attitude = message.array("attitude").reshape(3, 3)
+    return State(message.step, attitude, message.array("angular_momentum"))
+
+
+def _pack_torque(command: Any) -> tuple[Any, ...]:
+    return command.torque, int(command.source)
+
+
+def _unpack_torque(message: Message) -> Torque:
+    return Torque(message.array("torque"), _SOURCES[message["source"]])
+
+
+STATE: Final = Signal(
+    name="attitude_state",
+    type="spacecraft_gnc_msgs/msg/AttitudeState",
+    fields={
+        "attitude": Field("float64[9]", "-", ROTATION),
+        "orientation": Field(QUATERNION, "-"),
+        "angular_momentum": Field(VECTOR3, "N m s"),
+        "angular_velocity": Field(VECTOR3, "rad/s"),
+    },
+    publishers=(PLANT,),
+    subscribers=(CONTROLLER, GOVERNOR),
+    frame=INERTIAL_FRAME,
+    unique=True,
+    rank=MOTION,
+    pack=_pack_motion,
+    unpack=_unpack_state,
+)
+TORQUE: Final = Signal(
+    name="torque_command",
+    type="spacecraft_gnc_msgs/msg/TorqueCommand",
+    fields={"torque": Field(VECTOR3, "N m"), "source": Field("uint8", "-", _SOURCE)},
+    publishers=(CONTROLLER,),
+    subscribers=(PLANT,),
+    frame=BODY_FRAME,
+    rank=CONTROL,
+    pack=_pack_torque,
+    unpack=_unpack_torque,
+)
+SOLVER_STATUS: Final = Signal(
+    name="solver_status",
+    type="spacecraft_gnc_msgs/msg/SolverStatus",
+    fields={
+        "method": Field("string"),
+        "formulation": Field("string"),
+        "status": Field("uint8", "-"),
+        "iterations": Field("uint32", "-"),
+        "residual": Field("float64", "-", _OF_A_SOLVE),
+        "cost": Field("float64", "-", _OF_A_SOLVE),
+        "first_costate": Field("float64[6]", "cost per rad; cost per N m s", _OF_A_SOLVE),
+        "torque_margin": Field("float64", "N m", _MARGIN_OF_A_SOLVE),
+        "zone_margins": Field("float64[]", "rad", _OF_A_SOLVE),
+        "min_curvature": Field("float64", "cost per (N m)^2", ANY),
+        "closed_loop_radius": Field("float64", "-", ANY),
+        "active_constraint": Field("string"),
+        "predicted_attitudes": Field("float64[]", "-", _OF_A_SOLVE),
+        "predicted_momenta": Field("float64[]", "N m s", _OF_A_SOLVE),
+        "predicted_torques": Field("float64[]", "N m", _OF_A_SOLVE),
+        "wall_solve_time": Field("float64", "s", ANY),
+        "wall_deadline_slack": Field("float64", "s", ANY),
+    },
+    publishers=(CONTROLLER,),
+    frame=BODY_FRAME,
+    rank=CONTROL + 1,
+)
+INVARIANTS: Final = Signal(
+    name="plant_invariants",
+    type="spacecraft_gnc_msgs/msg/PlantInvariants",
+    fields={
+        "kinetic_energy": Field("float64", "J"),
+        "inertial_momentum": Field(VECTOR3, "N m s"),
+        "orthogonality_error": Field("float64", "-"),
+        "applied_torque": Field(VECTOR3, "N m"),
+        "applied_source": Field("uint8", "-", _SOURCE),
+    },
+    publishers=(PLANT,),
+    frame=INERTIAL_FRAME,
+    unique=True,
+    rank=MOTION + 1,
+)
+ZONE_MARKERS: Final = Signal(
+    name="zone_markers",
+    type="visualization_msgs/msg/MarkerArray",
+    fields={"markers": Field("visualization_msgs/Marker[]")},
+    start=(),
+    publishers=(CONTROLLER,),
+    qos=latched(1),
+    rank=SETUP,
+)
+SIGNALS: Final = (
+    STATE,
+    REFERENCE,
+    TARGET,
+    ACCEPTED_TARGET,
+    TORQUE,
+    SOLVER_STATUS,
+    ATTITUDE_ERROR,
+    GOVERNOR_STATUS,
+    INVARIANTS,
+    POSE,
+    ZONE_MARKERS,
+)
