@@ -2,7 +2,7 @@
 
 from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
 from spacecraft_gnc.plant.disturbances.registry import build, names, refusals
-from spacecraft_gnc.plant.disturbances.sum import Disturbance, Disturbances, Motion
+from spacecraft_gnc.plant.disturbances.torques import Disturbance, Disturbances, Motion
 
 __all__ = [
     "Disturbance",

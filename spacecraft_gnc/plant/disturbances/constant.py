@@ -6,7 +6,7 @@ import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
-from spacecraft_gnc.plant.disturbances.sum import Motion
+from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.types import ArrayLike, Matrix3, Vector3, as_vector3
 
 

@@ -10,7 +10,7 @@ from spacecraft_gnc.arguments import require_positive
 from spacecraft_gnc.arrays import listed
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
-from spacecraft_gnc.plant.disturbances.sum import Motion
+from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.types import (
     ArrayLike,
     Matrix3,

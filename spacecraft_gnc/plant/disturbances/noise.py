@@ -8,7 +8,7 @@ from spacecraft_gnc.arguments import as_count
 from spacecraft_gnc.arrays import listed
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
-from spacecraft_gnc.plant.disturbances.sum import Motion
+from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.plant.random_numbers import LARGEST_SEED, standard_normals
 from spacecraft_gnc.types import ArrayLike, Matrix3, Vector3, as_vector3
 

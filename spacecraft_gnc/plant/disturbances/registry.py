@@ -17,7 +17,7 @@ from spacecraft_gnc.plant.disturbances.constant import ConstantTorque
 from spacecraft_gnc.plant.disturbances.gravity_gradient import GravityGradient
 from spacecraft_gnc.plant.disturbances.noise import NoiseTorque
 from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
-from spacecraft_gnc.plant.disturbances.sum import Disturbance, Disturbances
+from spacecraft_gnc.plant.disturbances.torques import Disturbance, Disturbances
 from spacecraft_gnc.types import Matrix3
 
 GROUP: Final = "spacecraft_gnc.disturbances"

@@ -105,10 +105,8 @@ class RigidBodyPlant:
             external = self.disturbances.torque(*self._middle(torque))
             torque = torque + external
         attitude, momentum = self.body.step(attitude, momentum, torque, self.substeps)
-        self._state, self._external = (
-            State(k + 1, read_only(attitude), read_only(momentum)),
-            external,
-        )
+        self._state = State(k + 1, read_only(attitude), read_only(momentum))
+        self._external = external
         return self._state
 
     def _middle(self, torque: Vector3) -> Iterator[Motion]:
