@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import dataclass
 
 import numpy as np
 
+from spacecraft_gnc.parameters.parameter import Kind, NodeParameters, parameter
 from spacecraft_gnc.types import Array
 
 LARGEST_SEED = 2**63 - 1
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SeedParameters(NodeParameters):
+    """What all random numbers of a section depend on."""
+
+    seed: int = parameter(Kind.INTEGER, 0, "master seed of all random numbers", minimum=0)
+    run: int = parameter(
+        Kind.INTEGER, 0, "run of a campaign: other random numbers of the same seed", minimum=0
+    )
 
 
 def standard_normals(seed: int, run: int, stream: str, step: int, count: int) -> Array:

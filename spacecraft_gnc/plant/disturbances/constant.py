@@ -2,12 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.parameters.parameter import WITHIN, Kind, NodeParameters, parameter
 from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.types import ArrayLike, Matrix3, Vector3, as_vector3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ConstantParameters(NodeParameters):
+    """What ``constant`` reads of the section of the plant."""
+
+    constant_torque: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "constant: torque, body frame",
+        unit="N m",
+        shape=(3,),
+        may_be_empty=True,
+        **WITHIN,
+    )
 
 
 class ConstantTorque:
@@ -28,7 +45,7 @@ class ConstantTorque:
         self.value = as_vector3("constant_torque", value)
 
     @classmethod
-    def from_parameters(cls, parameters: DisturbanceParameters, _: Matrix3) -> ConstantTorque:
+    def from_parameters(cls, parameters: ConstantParameters, _: Matrix3) -> ConstantTorque:
         """Build it from ``constant_torque``."""
         if np.isnan(parameters.constant_torque).all():
             raise ParameterError(

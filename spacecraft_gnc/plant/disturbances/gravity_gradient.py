@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from spacecraft_gnc.arguments import require_positive
 from spacecraft_gnc.arrays import listed
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.parameters.parameter import WITHIN, Kind, NodeParameters, parameter
 from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.types import (
     ArrayLike,
@@ -22,6 +23,37 @@ from spacecraft_gnc.types import (
 
 PERPENDICULAR = 1e-6
 """Largest cosine between the orbit normal and the position: room for printed digits."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GravityGradientParameters(NodeParameters):
+    """What ``gravity_gradient`` reads of the section of the plant, beside the inertia."""
+
+    orbit_rate: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "gravity_gradient: rate sqrt(mu / a^3) of the circular orbit",
+        unit="rad/s",
+        minimum=0.0,
+        maximum=1e3,
+    )
+    orbit_normal: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [0.0, 0.0, 1.0],
+        "gravity_gradient: direction of the orbital angular momentum, inertial frame",
+        shape=(3,),
+        nonzero=True,
+        **WITHIN,
+    )
+    orbit_position: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [1.0, 0.0, 0.0],
+        "gravity_gradient: direction from the attracting center to the spacecraft at time 0, "
+        "inertial frame, perpendicular to orbit_normal",
+        shape=(3,),
+        nonzero=True,
+        **WITHIN,
+    )
 
 
 class GravityGradient:
@@ -71,7 +103,7 @@ class GravityGradient:
 
     @classmethod
     def from_parameters(
-        cls, parameters: DisturbanceParameters, inertia: Matrix3
+        cls, parameters: GravityGradientParameters, inertia: Matrix3
     ) -> GravityGradient:
         """Build it from ``orbit_rate``, ``orbit_normal`` and ``orbit_position``."""
         if parameters.orbit_rate == 0.0:

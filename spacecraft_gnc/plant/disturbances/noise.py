@@ -2,17 +2,35 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from spacecraft_gnc.arguments import as_count
 from spacecraft_gnc.arrays import listed
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.parameters.parameter import LARGEST, Kind, parameter
 from spacecraft_gnc.plant.disturbances.torques import Motion
-from spacecraft_gnc.plant.random_numbers import LARGEST_SEED, standard_normals
+from spacecraft_gnc.plant.random_numbers import LARGEST_SEED, SeedParameters, standard_normals
 from spacecraft_gnc.types import ArrayLike, Matrix3, Vector3, as_vector3
 
 STREAM = "disturbances.noise"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NoiseParameters(SeedParameters):
+    """What ``noise`` reads of the section of the plant."""
+
+    noise_torque: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "noise: standard deviation about each body axis of the torque held over a control step",
+        unit="N m",
+        shape=(3,),
+        may_be_empty=True,
+        minimum=0.0,
+        maximum=LARGEST,
+    )
 
 
 class NoiseTorque:
@@ -45,7 +63,7 @@ class NoiseTorque:
         self.run = as_count("run", run, least=0, most=LARGEST_SEED)
 
     @classmethod
-    def from_parameters(cls, parameters: DisturbanceParameters, _: Matrix3) -> NoiseTorque:
+    def from_parameters(cls, parameters: NoiseParameters, _: Matrix3) -> NoiseTorque:
         """Build it from ``noise_torque``, ``seed`` and ``run``."""
         if np.isnan(parameters.noise_torque).all():
             raise ParameterError(

@@ -13,19 +13,11 @@ from typing import Any, Final
 
 from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.parameters.problems import shown, suggestion
-from spacecraft_gnc.plant.disturbances.constant import ConstantTorque
-from spacecraft_gnc.plant.disturbances.gravity_gradient import GravityGradient
-from spacecraft_gnc.plant.disturbances.noise import NoiseTorque
-from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.plant.disturbances.parameters import BUILT_IN, DisturbanceParameters
 from spacecraft_gnc.plant.disturbances.torques import Disturbance, Disturbances
 from spacecraft_gnc.types import Matrix3
 
 GROUP: Final = "spacecraft_gnc.disturbances"
-BUILT_IN: Final[dict[str, Any]] = {
-    "constant": ConstantTorque,
-    "gravity_gradient": GravityGradient,
-    "noise": NoiseTorque,
-}
 
 
 def names() -> tuple[str, ...]:
