@@ -16,6 +16,7 @@ from recording.bags import CODEC, announce
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp import Status, linearize
 from spacecraft_gnc.ocp.assembly import assemble
+from spacecraft_gnc.ocp.reference import as_reference
 from spacecraft_gnc.ocp.rollout import Horizon
 from spacecraft_gnc.parameters.declare import flatten, unflatten
 from spacecraft_gnc.recording.writer import BagWriter
@@ -166,7 +167,7 @@ class _Idle:
         plan = (horizon.attitudes, horizon.momenta, still, horizon.costates)
         cost = ocp.cost(still, attitude, momentum, reference)
         outcome = (Status.CONVERGED, 0, float(residual), cost)
-        solution = assemble(ocp, plan, np.asarray(reference), outcome, 0.0, "backward_sweep")
+        solution = assemble(ocp, plan, as_reference(reference), outcome, 0.0, "backward_sweep")
         return solution._replace(min_curvature=linearize(solution).min_curvature)
 
 
@@ -208,17 +209,18 @@ class _Recorder:
         values = dict.fromkeys(wall, math.nan) | {"wall_elapsed": 0.1 * k} | counts
         self._write("wall_timing", "WallTiming", k, "", **values)
 
-    def attitude(self, topic: str, k: int, attitude: Any) -> None:
+    def attitude(self, topic: str, k: int, attitude: Any, *motion: Any) -> None:
+        rate, torque = motion or (np.zeros(3), np.zeros(3))
         self._write(
             topic, "AttitudeReference", k, "inertial",
             attitude=attitude.ravel(),
             orientation=CODEC.quaternion(attitude),
-            angular_velocity=CODEC.vector(np.zeros(3)),
-            torque=CODEC.vector(np.zeros(3)),
+            angular_velocity=CODEC.vector(rate),
+            torque=CODEC.vector(torque),
         )  # fmt: skip
 
     def decision(self, k: int, decision: Any) -> None:
-        self.attitude("attitude_reference", k, decision.reference.attitude)
+        self.attitude("attitude_reference", k, *decision.reference)
         self._write(
             "governor_status", "GovernorStatus", k, "inertial",
             alpha=decision.alpha, admissible=decision.admissible, margin=decision.margin,

@@ -26,9 +26,10 @@ def cayley(f):
 class Problem:
     """Data of one problem; ``zones`` are (v, w, beta, mu) of (30): H = beta - v . R^T w.
 
-    The reference turns at ``omega`` with the torque ``tau``, both in its own frame. Its momentum is
-    the one with which the integrator makes that turn, by the matrix equation; what the integrator
-    needs beyond the continuous body's omega x J omega is added to its torque.
+    The reference turns at ``omega`` with the torque ``tau``, both in its own frame, as the
+    integrator carries it on. Its momentum is the one with which the integrator makes that turn, by
+    the matrix equation, and half a step of what accelerates it; its torque, too, is the
+    integrator's.
     """
 
     def __init__(
@@ -41,10 +42,10 @@ class Problem:
         self.Jd = 0.5 * np.trace(J) * np.eye(3) - J
         omega = np.asarray(omega)
         F = expm(h * hat(omega))
-        self.R_refs = [R_ref @ expm(k * h * hat(omega)) for k in range(N + 1)]
-        self.Pi_ref = vee(F @ self.Jd - self.Jd @ F.T) / h
-        needed = (self.Pi_ref - F.T @ self.Pi_ref) / h
-        self.u_ref = np.asarray(tau) + needed - np.cross(omega, J @ omega)
+        Pi_ref = vee(F @ self.Jd - self.Jd @ F.T) / h
+        beyond = np.asarray(tau) - np.cross(omega, J @ omega)
+        self.u_ref = (Pi_ref - F.T @ Pi_ref) / h + beyond
+        self.references = self.rollout(R_ref, Pi_ref + 0.5 * h * beyond, [self.u_ref] * N)
 
     def relative_rotation(self, Pi):
         """F of h hat(Pi) = F Jd - Jd F^T by Newton on its Cayley vector."""
@@ -80,8 +81,8 @@ class Problem:
         for k in range(self.N):
             R_k, Pi_k = states[k]
             total = total + h * (
-                frobenius(self.Q1, R_k - self.R_refs[k])
-                + frobenius(self.Q2, hat(Pi_k - self.Pi_ref))
+                frobenius(self.Q1, R_k - self.references[k][0])
+                + frobenius(self.Q2, hat(Pi_k - self.references[k][1]))
                 + frobenius(self.Q3, hat(u[k] - self.u_ref))
             )
             H0 = 0.5 * np.trace(hat(u[k]).T @ hat(u[k])) - self.alpha
@@ -92,8 +93,9 @@ class Problem:
                 if H.real > 0.0:
                     total = total + h * mu * H**2
         R_N, Pi_N = states[-1]
-        ends = frobenius(self.P2, hat(Pi_N - self.Pi_ref))
-        return total + frobenius(self.P1, R_N - self.R_refs[self.N]) + ends
+        R_ref, Pi_ref = self.references[-1]
+        ends = frobenius(self.P1, R_N - R_ref) + frobenius(self.P2, hat(Pi_N - Pi_ref))
+        return total + ends
 
     def residual(self, R, Pi, lam):
         """Residual (44) after running (31)-(38) forward from multipliers lam (6,)."""
@@ -101,18 +103,20 @@ class Problem:
         for k in range(self.N):
             F = self.relative_rotation(Pi)
             if k > 0:
-                g = -h * vee(R.T @ self.Q1 @ self.R_refs[k])
+                R_ref, Pi_ref = self.references[k]
+                g = -h * vee(R.T @ self.Q1 @ R_ref)
                 for v, w, beta, mu in self.zones:
                     H = beta - v @ (R.T @ w)
                     if H.real > 0.0:
                         g = g - mu * vee(R.T @ (2.0 * h * H * np.outer(w, v)))
                 M = h * F.T @ np.linalg.inv(np.trace(F @ self.Jd) * np.eye(3) - F @ self.Jd)
                 l1 = F.T @ (l1 + g)
-                right = -M.T @ l1 + l2 + h * vee(self.Q2 @ hat(Pi - self.Pi_ref))
+                right = -M.T @ l1 + l2 + h * vee(self.Q2 @ hat(Pi - Pi_ref))
                 l2 = np.linalg.solve(F - M.T @ hat(F.T @ Pi), right)
             R, Pi = R @ F, F.T @ Pi + h * self.control(l2)
-        end = vee(R.T @ self.P1 @ self.R_refs[self.N])
-        return np.concatenate([l1 - end, l2 + vee(self.P2 @ hat(Pi - self.Pi_ref))])
+        R_ref, Pi_ref = self.references[-1]
+        end = vee(R.T @ self.P1 @ R_ref)
+        return np.concatenate([l1 - end, l2 + vee(self.P2 @ hat(Pi - Pi_ref))])
 
     def control(self, l2):
         """u of (38) by Newton on its three equations, from the real solution."""

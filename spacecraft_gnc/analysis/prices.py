@@ -65,7 +65,7 @@ class Pricing:
         if ocp is None or len(solution.torques) != ocp.horizon:
             return Price()
         controls = solution.torques @ ocp.allocation.T
-        start = (controls, state.attitude, state.momentum, solution.reference)
+        start = (controls, state.attitude, state.momentum, solution.tracked)
         plain = self._plain.cost(*start)
         penalty = 0.0 if self._hard else ocp.cost(*start) - plain
         return Price(plain + penalty, plain, penalty, *_excess(ocp, controls, solution.attitudes))

@@ -8,7 +8,7 @@ from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, load3
 from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, M_U, MADE_OF, MADE_OF_PI, MU0
 from spacecraft_gnc.ocp._stage_kernels import SIGMA_AT, Z_AT
-from spacecraft_gnc.ocp._track_kernels import control_reference, momentum_reference
+from spacecraft_gnc.ocp._track_kernels import control_reference, end_momentum
 
 ROUNDING = 2.0**-52
 
@@ -27,7 +27,7 @@ def largest_row(rows, column):
 def rounding_of(data, track, Pi):
     """What rounding may leave of the conditions, by the size of the terms that lam2 adds up."""
     N = Pi.shape[0] - 1
-    first, last, Pi_ref = load3(Pi, 0), load3(Pi, N), momentum_reference(track)
+    first, last, Pi_ref = load3(Pi, 0), load3(Pi, N), end_momentum(track)
     momentum = math.sqrt(dot(first, first) + dot(last, last) + dot(Pi_ref, Pi_ref))
     return ROUNDING * N * (data[MADE_OF] + data[MADE_OF_PI] * momentum)
 

@@ -167,7 +167,8 @@ def correct(inputs, moving, R, Pi, u, lam, margins, allowed, arena, kept):
         omega, tau = load3(inputs, 7), load3(inputs, 8)
         if not is_rotation(R_ref) or not is_momentum(omega) or not is_momentum(tau):
             return False, nan, nan, nan, nan, nan, nan
-        set_track(body, data, R_ref, omega, tau, track)
+        if not set_track(body, data, R_ref, omega, tau, track):
+            return False, nan, nan, nan, nan, nan, nan
         last = mat_mat(R_ref, mat_t_mat(load9_rows(inputs, LAST_REFERENCE), last))
     eta = small_rotation_vector(mat_t_mat(last, R_0))
     substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)

@@ -63,7 +63,12 @@ from spacecraft_gnc.ocp._stage_kernels import (
     costate_curvature,
 )
 from spacecraft_gnc.ocp._sweep_kernels import store_stage
-from spacecraft_gnc.ocp._track_kernels import TERMINAL_AT, momentum_reference, stage_weighed
+from spacecraft_gnc.ocp._track_kernels import (
+    TERMINAL_AT,
+    end_momentum,
+    stage_momentum,
+    stage_weighed,
+)
 
 SMALLEST_STEP = 2.0**-24
 
@@ -75,7 +80,6 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
     h = data[H]
     Jd = body_nonstandard_inertia(body)
     S2 = data9(data, S_Q2)
-    Pi_ref = momentum_reference(track)
     R_k, Pi_k = load9(R, 0), load3(Pi, 0)
     l1, l2 = load3(lam, 0), load3(lam, 0, 3)
     zero = (0.0, 0.0, 0.0)
@@ -91,7 +95,8 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
             C_inverse, det = inverse(transpose(load9_flat(W, k, A_AT)))  # C = F - M^T hat(p) = A^T
             if det == 0.0:
                 return SINGULAR, zero, zero
-            rhs = sub(add(l2, scale(h, mat_vec(S2, sub(Pi_k, Pi_ref)))), mat_t_vec(M, l1))
+            off = sub(Pi_k, stage_momentum(track, k))
+            rhs = sub(add(l2, scale(h, mat_vec(S2, off))), mat_t_vec(M, l1))
             l2 = mat_vec(C_inverse, rhs)
             store3(lam, k, l1)
             store3(lam, k, l2, 3)
@@ -103,7 +108,7 @@ def propagate_horizon(body, data, zones, track, R, Pi, u, lam, W):
         store9(R, k + 1, R_k)
         store3(Pi, k + 1, Pi_k)
     E1 = sub(l1, vee_antisymmetric(mat_t_mat(R_k, data9(track, TERMINAL_AT))))
-    E2 = add(l2, mat_vec(data9(data, S_P2), sub(Pi_k, Pi_ref)))
+    E2 = add(l2, mat_vec(data9(data, S_P2), sub(Pi_k, end_momentum(track))))
     return CONVERGED, E1, E2
 
 

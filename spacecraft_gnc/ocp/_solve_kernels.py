@@ -230,7 +230,8 @@ def solve(
     if not _is_finite(warm):
         return BAD_GUESS, 0, nan, nan, nan, nan, nan, nan
     problem, W, work, rest = carve(arena, N, margins.shape[0])
-    set_track(problem[0], problem[1], R_ref, omega, tau, problem[3])
+    if not set_track(problem[0], problem[1], R_ref, omega, tau, problem[3]):
+        return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
     horizon = (R, Pi, u, lam[:N], W)

@@ -51,7 +51,7 @@ from spacecraft_gnc.ocp._terminal_kernels import (
 )
 from spacecraft_gnc.ocp._track_kernels import (
     control_reference,
-    momentum_reference,
+    stage_momentum,
     stage_reference,
 )
 
@@ -265,7 +265,7 @@ def stage_cost(data, zones, track, R_k, Pi_k, W, k):
         z -= control_reference(track, m, i)
         effort += data[D_U + i] * z * z
     state = stage_attitude_cost(data, stage_reference(track, k), R_k)
-    state += quadratic(data9(data, S_Q2), sub(Pi_k, momentum_reference(track)))
+    state += quadratic(data9(data, S_Q2), sub(Pi_k, stage_momentum(track, k)))
     total = h * (state + effort) + zone_cost(h, zones, R_k)
     if data[LOG_FORM] > 0.0:
         total += rate_cost(data, load9_flat(W, k))

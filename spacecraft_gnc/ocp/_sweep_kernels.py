@@ -61,7 +61,7 @@ from spacecraft_gnc.ocp._stage_kernels import (
     stage_curvature,
 )
 from spacecraft_gnc.ocp._terminal_kernels import rate_gradient, terminal_costate, terminal_hessian
-from spacecraft_gnc.ocp._track_kernels import momentum_reference, stage_weighed
+from spacecraft_gnc.ocp._track_kernels import stage_momentum, stage_weighed
 
 SOLVED, UNSOLVABLE_STEP = 0, 3  # equal to ocp.Status
 U_AT, SI_AT, K1_AT, K2_AT, L1_AT, L2_AT, F_AT, MF_AT, AF_AT, FACTOR_SIZE = range(0, 90, 9)
@@ -85,7 +85,7 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
     Returns a hash of the zones that act and their stages, zero for none.
     """
     N = W.shape[0]
-    h, S2, Pi_ref = data[H], data9(data, S_Q2), momentum_reference(track)
+    h, S2 = data[H], data9(data, S_Q2)
     l1, l2 = terminal_costate(data, track, R, Pi)
     rated = data[LOG_FORM] > 0.0
     pattern = 0
@@ -99,7 +99,8 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
             M, A = load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
             pushed = sub(l1, rate_gradient(data, load9_flat(W, k))) if rated else l1
             swept = add(mat_t_vec(A, l2), mat_t_vec(M, pushed))
-            l2 = sub(swept, scale(h, mat_vec(S2, sub(load3(Pi, k), Pi_ref))))
+            off = sub(load3(Pi, k), stage_momentum(track, k))
+            l2 = sub(swept, scale(h, mat_vec(S2, off)))
             l1 = sub(mat_vec(load9_flat(W, k), l1), g)
     return pattern
 

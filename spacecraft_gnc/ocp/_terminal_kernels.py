@@ -42,7 +42,7 @@ from spacecraft_gnc.ocp._data_kernels import (
     log_weight,
     quadratic,
 )
-from spacecraft_gnc.ocp._track_kernels import END_AT, TERMINAL_AT, momentum_reference
+from spacecraft_gnc.ocp._track_kernels import END_AT, TERMINAL_AT, end_momentum
 
 HALF_TURN = 1e-12  # |w| up to which an attitude counts as half a turn away: its side is rounding
 SMALL_SQUARE = 0.05  # theta^2 below which the coefficients of the logarithm are summed as series
@@ -176,7 +176,7 @@ def terminal_costate(data, track, R, Pi):
     R_N, Pi_N = load9(R, N), load3(Pi, N)
     if data[LOG_FORM] == 0.0:
         l1 = vee_antisymmetric(mat_t_mat(R_N, data9(track, TERMINAL_AT)))
-        off = sub(Pi_N, momentum_reference(track))
+        off = sub(Pi_N, end_momentum(track))
         return l1, scale(-1.0, mat_vec(data9(data, S_P2), off))
     Z = continuous_log(data9(track, END_AT), R)
     y = add(mat_vec(log_weight(data, 0, 0), Z), mat_vec(log_weight(data, 0, 3), Pi_N))
@@ -221,5 +221,5 @@ def terminal_cost(data, track, R, Pi):
     if data[LOG_FORM] > 0.0:
         return 0.5 * log_level(data, continuous_log(data9(track, END_AT), R), load3(Pi, N))
     attitude = attitude_cost(data9(data, P1), data9(track, END_AT), load9(R, N))
-    off = sub(load3(Pi, N), momentum_reference(track))
+    off = sub(load3(Pi, N), end_momentum(track))
     return attitude + quadratic(data9(data, S_P2), off)

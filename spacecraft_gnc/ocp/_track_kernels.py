@@ -1,10 +1,10 @@
 """Kernels of the reference over the horizon: what each stage is weighed against.
 
-``track`` is laid out as follows: P1 R_N and R_N of the terminal cost, Pi_ref, the distance from one
-stage's row to the next (0 while the reference rests: one row serves all), then for each stage Q1
-R_k (Kalabic: R_k Q1) and R_k, and last the m reference controls z_ref = V^T B^+ u_ref. docs/
-solver.md, "A moving reference", has the equations. At rest Pi_ref and z_ref are +0, whose
-subtraction changes no bit.
+``track`` is laid out as follows: P1 R_N, R_N and Pi_N of the reference for the terminal cost, the
+distance from one stage's row to the next (0 while the reference rests: one row serves all), then
+for each stage Q1 R_k (Kalabic: R_k Q1), R_k and Pi_k, and last the m reference controls z_ref =
+V^T B^+ u_ref. docs/solver.md, "A moving reference", has the equations. At rest Pi_k and z_ref are
++0, whose subtraction changes no bit.
 """
 
 from __future__ import annotations
@@ -12,7 +12,13 @@ from __future__ import annotations
 import math
 
 from spacecraft_gnc._kernels import kernel
-from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia, rotation_of
+from spacecraft_gnc.dynamics._lgvi_kernels import (
+    body_inertia,
+    polished,
+    relative_quaternion,
+    rotate_back,
+    rotate_rows,
+)
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     cross,
@@ -20,10 +26,11 @@ from spacecraft_gnc.lie._mat3_kernels import (
     mat_mat,
     mat_vec,
     scale,
+    sub,
 )
 from spacecraft_gnc.ocp._data_kernels import D_U, LOG_FORM, M_U, P1, Q1, H, data3, data9
 
-TERMINAL_AT, END_AT, PI_AT, STRIDE_AT, STAGES_AT, STAGE_SIZE = 0, 9, 18, 21, 22, 18
+TERMINAL_AT, END_AT, PI_AT, STRIDE_AT, STAGES_AT, STAGE_SIZE = 0, 9, 18, 21, 22, 21
 
 
 def track_size(n: int, m: int) -> int:
@@ -44,8 +51,14 @@ def stage_reference(track, k):
 
 
 @kernel
-def momentum_reference(track):
-    """Pi_ref."""
+def stage_momentum(track, k):
+    """Pi_k of stage k of the reference."""
+    return data3(track, STAGES_AT + int(track[STRIDE_AT]) * k + 18)
+
+
+@kernel
+def end_momentum(track):
+    """Pi_N of the reference."""
     return data3(track, PI_AT)
 
 
@@ -62,18 +75,22 @@ def is_moving(omega, tau):
 
 
 @kernel
-def steady_spin(body, h, omega):
-    """Momentum with which the integrator turns by exp(h omega) a step, and the torque it needs.
+def start_of_motion(body, h, omega, tau):
+    """Pi_0 and u_ref of a reference that turns at omega with the torque tau.
 
-    h hat(Pi) = F J_d - J_d F^T and (I - F^T) Pi / h for F = exp(h hat(omega)), in closed form.
+    Where tau is omega x J omega they are those of F = exp(h hat(omega)), h hat(Pi) = F J_d - J_d
+    F^T and u = (I - F^T) Pi / h in closed form, and every step makes that turn. What tau has
+    beyond that accelerates: half a step of it is in Pi_0, so that the first turn has the mean rate.
     """
-    Pi = mat_vec(body_inertia(body), omega)
-    gyroscopic = cross(omega, Pi)
+    J_omega = mat_vec(body_inertia(body), omega)
+    gyroscopic = cross(omega, J_omega)
     angle = h * math.sqrt(dot(omega, omega))
-    half = math.sin(0.5 * angle) / (0.5 * angle) if angle > 0.0 else 1.0
     whole = math.sin(angle) / angle if angle > 0.0 else 1.0
-    Pi = add(scale(whole, Pi), scale(0.5 * h * half * half, gyroscopic))
-    return Pi, scale(half * half, gyroscopic), gyroscopic
+    half = math.sin(0.5 * angle) / (0.5 * angle) if angle > 0.0 else 1.0
+    needed = scale(half * half, gyroscopic)
+    beyond = sub(tau, gyroscopic)
+    Pi = add(scale(whole, J_omega), scale(0.5 * h, add(needed, beyond)))
+    return Pi, add(needed, beyond)
 
 
 @kernel
@@ -83,41 +100,37 @@ def _store(values, track, at):
 
 
 @kernel
-def _store_stage(data, R, track, at):
+def _store_stage(data, R, Pi, track, at):
     Q = data9(data, Q1)
     _store(mat_mat(R, Q) if data[LOG_FORM] > 0.0 else mat_mat(Q, R), track, at)
     _store(R, track, at + 9)
-
-
-@kernel
-def _turned(R, omega, time):
-    """R exp(time hat(omega))."""
-    rate = math.sqrt(dot(omega, omega))
-    half = 0.5 * time * rate
-    q = scale(math.sin(half) / rate if rate > 0.0 else 0.0, omega)
-    return mat_mat(R, rotation_of(math.cos(half), q))
+    _store(Pi, track, at + 18)
 
 
 @kernel
 def set_track(body, data, R, omega, tau, track):
-    """Fill ``track`` for a reference that starts at R and moves by omega and tau."""
-    m = int(data[M_U])
+    """Fill ``track`` for a reference at R that moves by omega and tau; returns whether it can.
+
+    It moves as the integrator carries it on, with u_ref held over the horizon.
+    """
+    m, h, Pi, ok = int(data[M_U]), data[H], (0.0, 0.0, 0.0), True
     controls = track.shape[0] - m
-    end, momentum = R, (0.0, 0.0, 0.0)
     track[STRIDE_AT] = 0.0
     for i in range(m):
         track[controls + i] = 0.0
-    _store_stage(data, R, track, STAGES_AT)
     if is_moving(omega, tau):
-        h, n = data[H], (controls - STAGES_AT) // STAGE_SIZE
-        momentum, needed, gyroscopic = steady_spin(body, h, omega)
-        tau = add(tau, add(needed, scale(-1.0, gyroscopic)))
-        for i in range(m):
-            track[controls + i] = dot(data3(data, D_U + 4 * m + 3 * i), tau)
         track[STRIDE_AT] = STAGE_SIZE
-        for k in range(1, n):
-            _store_stage(data, _turned(R, omega, k * h), track, STAGES_AT + STAGE_SIZE * k)
-        end = _turned(R, omega, n * h)
-    _store(mat_mat(data9(data, P1), end), track, TERMINAL_AT)
-    _store(end, track, END_AT)
-    _store(momentum, track, PI_AT)
+        Pi, u = start_of_motion(body, h, omega, tau)
+        for i in range(m):
+            track[controls + i] = dot(data3(data, D_U + 4 * m + 3 * i), u)
+        for k in range((controls - STAGES_AT) // STAGE_SIZE):
+            _store_stage(data, R, Pi, track, STAGES_AT + STAGE_SIZE * k)
+            q0, q, exists = relative_quaternion(body, h, Pi)
+            ok = ok and exists
+            R, Pi = polished(rotate_rows(q0, q, R)), add(rotate_back(q0, q, Pi), scale(h, u))
+    else:
+        _store_stage(data, R, Pi, track, STAGES_AT)
+    _store(mat_mat(data9(data, P1), R), track, TERMINAL_AT)
+    _store(R, track, END_AT)
+    _store(Pi, track, PI_AT)
+    return ok

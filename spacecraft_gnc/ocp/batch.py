@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.arrays import as_finite, as_rows, as_stack
 from spacecraft_gnc.errors import ParameterError, ShapeError
-from spacecraft_gnc.ocp.reference import Tracked, as_reference
+from spacecraft_gnc.ocp.reference import Tracked, as_reference, is_moving, unreachable
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
 if TYPE_CHECKING:
@@ -72,6 +72,8 @@ def solve_many(
     for row in np.flatnonzero(status < 0):  # name the first state that is none
         as_rotation(f"attitudes[{row}]", states[row, :3])
         as_vector3(f"momenta[{row}]", states[row, 3])
+        if is_moving(target):
+            raise unreachable(target, solver.ocp.time_step)
         raise ParameterError(
             f"states[{row}]: received {states[row].tolist()}; required a finite state; check its "
             "numbers"

@@ -6,6 +6,8 @@ from typing import Final, TypeAlias
 
 import numpy as np
 
+from spacecraft_gnc.arrays import listed
+from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array, ArrayLike, Reference, as_rotation, as_vector3, read_only
 
 Tracked: TypeAlias = ArrayLike | Reference
@@ -46,6 +48,16 @@ def is_moving(reference: Reference) -> bool:
     except AttributeError:  # a list, say
         pass
     return bool(np.any(rate) or np.any(torque))
+
+
+def unreachable(reference: Reference, time_step: float) -> ParameterError:
+    """Return the error that says why a reference cannot move as it is asked to."""
+    return ParameterError(
+        f"reference: received angular velocity {listed(reference.angular_velocity)} rad/s and "
+        f"torque {listed(reference.torque)} N m; required a motion of which every step of "
+        f"{time_step:g} s over the horizon exists (Kalabic et al. 2014, (3)); turn more slowly, or "
+        "use a shorter time step"
+    )
 
 
 def stacked(reference: Reference) -> Array:

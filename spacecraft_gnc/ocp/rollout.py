@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels, _track_kernels
-from spacecraft_gnc.ocp.reference import Tracked, as_reference
+from spacecraft_gnc.ocp.reference import Tracked, as_reference, unreachable
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
 if TYPE_CHECKING:
@@ -81,6 +81,8 @@ class Horizon:
 def track_of(ocp: AttitudeOcp, reference: Tracked | None) -> Array:
     """Return a reference as the kernels want it: `_track_kernels.set_track`."""
     track = np.empty(_track_kernels.track_size(ocp.horizon, ocp.n_controls))
-    rows = (tuple(np.ravel(value).tolist()) for value in as_reference(reference))
-    _track_kernels.set_track(ocp.body.packed, ocp.data, *rows, track)
+    checked = as_reference(reference)
+    rows = (tuple(np.ravel(value).tolist()) for value in checked)
+    if not _track_kernels.set_track(ocp.body.packed, ocp.data, *rows, track):
+        raise unreachable(checked, ocp.time_step)
     return track

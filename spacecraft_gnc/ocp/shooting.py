@@ -52,7 +52,7 @@ from spacecraft_gnc.ocp._solve_kernels import (
 )
 from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
-from spacecraft_gnc.ocp.reference import Tracked, is_moving, motion_of, stacked
+from spacecraft_gnc.ocp.reference import Tracked, is_moving, motion_of, stacked, unreachable
 from spacecraft_gnc.ocp.solution import Solution, Status
 from spacecraft_gnc.types import (
     Array,
@@ -333,6 +333,8 @@ class ShootingSolver:
         as_rotation("attitude", attitude)
         as_vector3("momentum", momentum)
         as_rotation("reference", target)
+        if self._moved:
+            raise unreachable(Reference(self._target, *self._motion), self.ocp.time_step)
         raise ParameterError(
             "warm_start: received NaN or infinity; required finite multipliers; pass the "
             "warm_start of a converged solution, or None to start from zero"

@@ -18,7 +18,7 @@ from spacecraft_gnc.types import Reference
 # Sums of some hundred terms of mixed size, rounded in another order: 1e-16 times their condition.
 ROUNDING = 1e-10
 CHEAP = 1e-3  # share of the torque's weight with which the Hessian is often indefinite
-AT_REST = np.zeros(25)  # the reference of one stage, of which a control reads its torque only
+AT_REST = np.zeros(46)  # the reference of one stage, of which a control reads its torque only
 STEP = 1e-30  # complex step: no cancellation, exact to rounding
 
 

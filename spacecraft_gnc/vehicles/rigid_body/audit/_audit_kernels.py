@@ -57,8 +57,9 @@ from spacecraft_gnc.ocp._sweep_kernels import (
 )
 from spacecraft_gnc.ocp._track_kernels import (
     control_reference,
-    momentum_reference,
+    end_momentum,
     set_track,
+    stage_momentum,
 )
 
 STATUS, ATTITUDE_DEFECT, MOMENTUM_DEFECT, RESIDUAL, RADIUS_DEFECT, COST, LARGEST, CURVATURE = range(
@@ -204,7 +205,7 @@ def _made_of(data, zones, track, R, Pi, W, back):
     fastest = 0.0  # a momentum near zero is a difference of larger ones
     for k in range(N + 1):
         fastest = max(fastest, _size3(load3(Pi, k)))
-    fastest = max(fastest, _size3(momentum_reference(track)))
+    fastest = max(fastest, _size3(stage_momentum(track, 0)), _size3(end_momentum(track)))
     if data[LOG_FORM] > 0.0:
         push = _size9(data9(data, Q_RATE))
         a1 = 0.5 * (_size9(log_weight(data, 0, 0)) + _size9(log_weight(data, 0, 3)) * fastest)
@@ -283,11 +284,11 @@ def certify(
         for i in range(data.shape[0]):
             data[i] = problem[i]
         R, Pi = attitudes[j], momenta[j]
-        if not _fill(body, data, R, Pi, torques[j], controls[j], W, n):
+        r = references[j]
+        moves = set_track(body, data, load9_rows(r, 0), load3(r, 3), load3(r, 4), track)
+        if not _fill(body, data, R, Pi, torques[j], controls[j], W, n) or not moves:
             n[STATUS] = 1.0
             continue
-        r = references[j]
-        set_track(body, data, load9_rows(r, 0), load3(r, 3), load3(r, 4), track)
         if has_set:
             n[MULTIPLIER] = _multiplier(data, zones, track, R, Pi, W, lam[0], lam[1], costates[j])
         sweep_costates(data, zones, track, R, Pi, lam[0], W)

@@ -18,6 +18,7 @@ from spacecraft_gnc.recording.steps import (
     STATE,
     flight_topics,
 )
+from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from spacecraft_gnc.audit.ledger import Ledger
     from spacecraft_gnc.loop.protocols import Governor
 
-BUILT_IN: Final = ("none", "attitude")
 _DECISION: Final = "decision of the governor"
 _CONSTRAINT: Final = "active_constraint"
 _ANSWERED: Final = (STATE, REFERENCE, GOVERNOR_STATUS)
@@ -34,8 +34,10 @@ _MEASURES: Final = ("alpha", "margin", "admissible")
 _COUNTS: Final = ("evaluations", "violation_step", "horizon", "waypoints")
 _FIELDS: Final = {
     f"{REFERENCE}.attitude": slice(0, 9),
+    f"{REFERENCE}.angular_velocity": slice(9, 12),
+    f"{REFERENCE}.torque": slice(12, 15),
     **{
-        f"{GOVERNOR_STATUS}.{name}": slice(9 + i, 10 + i)
+        f"{GOVERNOR_STATUS}.{name}": slice(15 + i, 16 + i)
         for i, name in enumerate((*_MEASURES, *_COUNTS))
     },
 }
@@ -63,7 +65,7 @@ def audit_decisions(
 def _not_asked(evidence: Evidence) -> str:
     """Return why the governor cannot be asked again; empty: it can."""
     kind = evidence.scenario.governor.governor
-    if kind not in BUILT_IN:
+    if kind not in registry.BUILT_IN["governors"]:
         return f"governor {kind} is a plug-in's, which may remember more than its states"
     recorded = flight_topics(evidence.bag, _NEEDED, evidence.namespace)
     missing = set(_NEEDED) - set(recorded.values())
@@ -159,7 +161,7 @@ class _Inquiry:
             self._governor.set_target(target)
         decision = self._governor.decide(state)
         numbers = [float(getattr(decision, name)) for name in (*_MEASURES, *_COUNTS)]
-        row = np.array([*decision.reference.attitude.ravel().tolist(), *numbers])
+        row = np.concatenate([*(np.ravel(part) for part in decision.reference), numbers])
         return _Decided(row, decision.active_constraint)
 
     def _is_recorded(self, i: int, decided: _Decided) -> bool:

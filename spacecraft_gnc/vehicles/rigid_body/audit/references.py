@@ -10,7 +10,6 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.recording.steps import GOVERNOR_STATUS, REFERENCE
-from spacecraft_gnc.vehicles.rigid_body.audit.decisions import BUILT_IN
 
 ROUNDING: Final = 1e-13
 _ATTITUDE, _ORIENTATION = "attitude_reference.attitude", "attitude_reference.orientation"
@@ -29,20 +28,7 @@ def audit_references(evidence: Evidence, ledger: Ledger) -> None:
     again = np.array([lie.to_quaternion_xyzw(attitude) for attitude in attitudes])
     recorded = columns.fields["orientation"]
     ledger.compare(name, columns.steps, {_ORIENTATION: recorded}, {_ORIENTATION: again})
-    _feedforward(evidence, ledger)
     _decisions(evidence, ledger)
-
-
-def _feedforward(evidence: Evidence, ledger: Ledger) -> None:
-    """Check that the references of our own governors, which all stand still, ask for no motion."""
-    columns, name = evidence.columns[REFERENCE], "feedforward of a fixed reference"
-    governor = evidence.scenario.governor.governor
-    if governor not in BUILT_IN:
-        ledger.skip(name, f"governor {governor} is a plug-in's, whose reference may move")
-        return
-    for field in ("angular_velocity", "torque"):
-        told, where = columns.fields[field], f"attitude_reference.{field}"
-        ledger.compare(name, columns.steps, {where: told}, {where: np.zeros_like(told)})
 
 
 def _decisions(evidence: Evidence, ledger: Ledger) -> None:
