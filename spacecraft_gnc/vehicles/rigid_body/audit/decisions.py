@@ -18,7 +18,6 @@ from spacecraft_gnc.recording.steps import (
     STATE,
     flight_topics,
 )
-from spacecraft_gnc.scenario import registry
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -65,7 +64,7 @@ def audit_decisions(
 def _not_asked(evidence: Evidence) -> str:
     """Return why the governor cannot be asked again; empty: it can."""
     kind = evidence.scenario.governor.governor
-    if kind not in registry.BUILT_IN["governors"]:
+    if evidence.scenario.vehicle.governor(kind) is None:
         return f"governor {kind} is a plug-in's, which may remember more than its states"
     recorded = flight_topics(evidence.bag, _NEEDED, evidence.namespace)
     missing = set(_NEEDED) - set(recorded.values())
