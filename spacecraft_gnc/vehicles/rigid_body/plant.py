@@ -11,7 +11,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.loop.protocols import Invariants, State
-from spacecraft_gnc.plant.disturbances import Disturbances, Motion
+from spacecraft_gnc.plant.disturbances import Disturbances, Motion, build
 from spacecraft_gnc.types import (
     ArrayLike,
     Vector3,
@@ -73,12 +73,14 @@ class RigidBodyPlant:
     def from_scenario(cls, scenario: Scenario) -> RigidBodyPlant:
         """Build the plant of a scenario's sections ``plant`` and ``nmpc_controller``."""
         p = scenario.plant
+        inertia = known_inertia(scenario, "plant", p.inertia)
         return cls(
-            RigidBody(known_inertia(scenario, "plant", p.inertia), p.time_step),
+            RigidBody(inertia, p.time_step),
             lie.exp(p.initial_rotation_vector),
             p.initial_momentum,
             scenario.n_steps,
             scenario.substeps,
+            build(p, inertia),
         )
 
     @property

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from spacecraft_gnc.parameters.checked import Checked
+from spacecraft_gnc.plant.disturbances.checks import check_disturbances
 from spacecraft_gnc.vehicles.rigid_body.checks.body import check_inertia, check_momentum
 from spacecraft_gnc.vehicles.rigid_body.checks.method import check_method
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing import check_pointing
@@ -18,3 +21,6 @@ def check(checked: Checked) -> None:
     check_pointing(checked)
     check_target(checked)
     check_torque(checked)
+    inertia = checked.get("plant", "inertia")
+    if inertia:
+        check_disturbances(checked, np.reshape(inertia, (3, 3)))

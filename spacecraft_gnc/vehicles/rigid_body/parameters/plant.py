@@ -19,11 +19,12 @@ from spacecraft_gnc.parameters.parameter import (
     parameter,
 )
 from spacecraft_gnc.parameters.sections import PlantHost
+from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
 from spacecraft_gnc.types import Matrix3, Vector3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class PlantParameters(PlantHost):
+class PlantParameters(DisturbanceParameters, PlantHost):
     """Section ``plant``: the rigid body, its start, and the pace of the simulation."""
 
     inertia: Matrix3 = parameter(
