@@ -73,6 +73,7 @@ setup(
         NAME: ["py.typed"],
         f"{NAME}.analysis.live": ["page/*"],
         f"{NAME}.analysis.report": ["*.css", "*.html", "*.js"],
+        f"{NAME}.drawing": ["*.js"],
         f"{NAME}.nodes": ["*.xml"],
     },
     data_files=[

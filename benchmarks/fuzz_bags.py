@@ -28,7 +28,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "test")]
 from flown_bags import fly, sections  # noqa: E402
 from recording.mutations import Bases, mutate  # noqa: E402
 
-from spacecraft_gnc.analysis.audit.run import audit_bag  # noqa: E402
+from spacecraft_gnc.analysis.audit import audit_bag  # noqa: E402
 from spacecraft_gnc.analysis.export import read_export  # noqa: E402
 from spacecraft_gnc.analysis.metrics import summarize  # noqa: E402
 from spacecraft_gnc.analysis.reader import read_flight  # noqa: E402

@@ -11,9 +11,9 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 
-from spacecraft_gnc.analysis import series
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.scenario import Scenario, from_sections
+from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.prediction import predict
 
 mpl.use("Agg")

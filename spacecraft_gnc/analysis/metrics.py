@@ -2,226 +2,32 @@
 
 from __future__ import annotations
 
-import math
-from collections import Counter
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import series
-from spacecraft_gnc.analysis.limits import as_dicts, limits_exceeded
-from spacecraft_gnc.analysis.neighboring import neighboring_metrics
-from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.analysis.vehicle import part
 from spacecraft_gnc.scenario.fingerprint import fingerprint
-from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.scenario import Scenario
-    from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
-
-SETTLE_THRESHOLDS_DEG: Final = (5.0, 1.0, 0.1)
-_SATURATION = 1.0 - 1e-6  # share of the limit: the penalty lets the norm end just beside it
-_SAME_ATTITUDE = 1e-9  # largest difference of entries
 
 
-def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[str, Any]:
-    """Return the metrics of a trajectory, ready for JSON.
+def summarize(flight: Trajectory, scenario: Scenario | None = None) -> dict[str, Any]:
+    """Return the metrics of a flight, ready for JSON.
 
     Parameters
     ----------
-    trajectory
+    flight
         What was flown.
     scenario
-        Gives limits, weights and pointing zones; without it the metrics that need them are None.
+        Gives limits, weights and the like; without it the metrics that need them are None.
 
     Returns
     -------
     dict
-        ``scenario_hash`` (see `scenario.fingerprint`; None without a scenario),
-        ``steps``, ``missing_steps`` (lost by the recording), ``period`` and ``duration`` [s],
-        ``final_error_deg``, ``final_momentum`` [N m s], ``settle_time_5deg``, ``_1deg``,
-        ``_0.1deg`` (time after which the error stays below for good [s]; None: never): angles to
-        the target where a governor shaped the reference, else to the reference, as ``error_to``
-        says; ``alpha_one_time`` (from which on the governor allowed the whole way to the target
-        for good [s]; None: never, or no governor), ``final_reference_error_deg`` (from the last
-        reference to the target), ``inadmissible_steps`` (at which the prediction violated a
-        constraint even with the last reference held), ``min_governor_margin`` (of its predictions,
-        in the unit of each one's nearest constraint),
-        ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
-        stage costs as the method counts them; None of a method that reads no weights),
-        ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``limits_exceeded`` (by more than
-        0.1 %, see `analysis.limits`; empty without a scenario), ``iterations_median``,
-        ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
-        ``escaping_steps`` (at rest away from the target, and leaving there; None of a method that
-        makes no solves),
-        ``solve_time_median``, ``_p99``, ``_max`` [s],
-        ``sources`` (steps by source), ``fallback_steps`` (whose torque stood in for one that
-        the method did not find),
-        ``neighboring_share`` and ``neighboring_error`` (see `analysis.neighboring`).
+        ``scenario_hash`` (see `scenario.fingerprint`; None without a scenario), and what the
+        vehicle counts (its module ``metrics``).
     """
-    controller = scenario.controller if scenario is not None else None
-    n = len(trajectory.time)
-    rows = np.hstack([trajectory.attitude.reshape(n, 9), trajectory.momentum, trajectory.torque])
-    return {
-        "scenario_hash": None if scenario is None else fingerprint(scenario),
-        "steps": n,
-        "missing_steps": int(np.count_nonzero(np.isnan(rows).any(axis=1))),
-        "period": float(trajectory.period),
-        "duration": _number(series.state_times(trajectory)[-1]),
-        **_attitude_metrics(trajectory),
-        **_governor_metrics(trajectory),
-        **_torque_metrics(trajectory, scenario),
-        **_zone_metrics(trajectory, controller),
-        **_limit_metrics(trajectory, scenario),
-        **_solver_metrics(trajectory, scenario),
-        **neighboring_metrics(trajectory, scenario),
-    }
-
-
-def settle_time(times: Array, error: Array, threshold: float) -> float | None:
-    """Return the time after which ``error`` stays below ``threshold`` for good.
-
-    Parameters
-    ----------
-    times, error
-        (n,) samples; NaN errors are passed over.
-    threshold
-        In the unit of ``error``.
-
-    Returns
-    -------
-    float or None
-        The first sample of the last stretch below; None if the last sample is not below.
-    """
-    known = np.isfinite(error)
-    times, error = times[known], error[known]
-    above = np.flatnonzero(error >= threshold)
-    first = int(above[-1]) + 1 if above.size else 0
-    return float(times[first]) if first < times.size else None
-
-
-def _limit_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
-    if scenario is None:
-        return {"limits_exceeded": []}
-    states = series.attitudes(trajectory), series.momenta(trajectory)
-    return {"limits_exceeded": as_dicts(limits_exceeded(scenario, *states, trajectory.torque))}
-
-
-def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:
-    times = series.state_times(trajectory)
-    error = series.settling_error_deg(trajectory)
-    settled = {
-        f"settle_time_{threshold:g}deg": settle_time(times, error, threshold)
-        for threshold in SETTLE_THRESHOLDS_DEG
-    }
-    return {
-        "final_error_deg": _number(error[-1]),
-        "final_momentum": _number(np.linalg.norm(trajectory.final_momentum)),
-        **settled,
-    }
-
-
-def _governor_metrics(trajectory: Trajectory) -> dict[str, Any]:
-    aims = series.targets(trajectory)
-    margins = trajectory.governor_margin[np.isfinite(trajectory.governor_margin)]
-    return {
-        "error_to": "reference" if aims is None else "target",
-        "alpha_one_time": None if aims is None else _alpha_one_time(trajectory, aims),
-        "final_reference_error_deg": None if aims is None else _off_target(trajectory, aims),
-        "inadmissible_steps": int(np.count_nonzero(margins < 0.0)),
-        "min_governor_margin": float(margins.min()) if margins.size else None,
-    }
-
-
-def _off_target(trajectory: Trajectory, targets: Array) -> float | None:
-    """Return the angle from the last reference to the last target [deg]."""
-    last = trajectory.final_reference
-    if not np.isfinite(last).all():
-        return None
-    return math.degrees(lie.angle_between(last, targets[-1]))
-
-
-def _alpha_one_time(trajectory: Trajectory, targets: Array) -> float | None:
-    """Return the time from which on the reference is the target, and alpha 1 [s]."""
-    off = np.abs(trajectory.reference - targets[:-1]).max(axis=(1, 2))
-    there = (trajectory.alpha == 1.0) & (off < _SAME_ATTITUDE)
-    recorded = np.isfinite(trajectory.alpha) & np.isfinite(off)
-    away = np.where(recorded, np.where(there, 0.0, 1.0), math.nan)
-    return settle_time(trajectory.time, away, 0.5)
-
-
-def _torque_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
-    norm = series.torque_norm(trajectory)
-    limit = series.torque_limit(trajectory, scenario)
-    cost = None
-    if scenario is not None and "weights.stage_attitude" in scenario.traits.reads:
-        cost = _number(np.nansum(_stage_costs(trajectory, scenario)))
-    return {
-        "max_torque": _number(_largest(norm)),
-        "torque_limit": limit or None,
-        "saturated_steps": int(np.count_nonzero(norm >= _SATURATION * limit)) if limit else None,
-        "cost": cost,
-    }
-
-
-def _stage_costs(trajectory: Trajectory, scenario: Scenario) -> Array:
-    controller = scenario.controller
-    if "weights.stage_rate" in scenario.traits.reads:
-        return series.terminal_set_stage_costs(trajectory, controller)
-    return series.stage_costs(trajectory, controller.weights, controller.actuators)
-
-
-def _zone_metrics(
-    trajectory: Trajectory, controller: ControllerParameters | None
-) -> dict[str, Any]:
-    zones = controller.zones if controller is not None else ()
-    margins = {
-        zone.name: _number(-_largest(-series.zone_margin_deg(trajectory, zone))) for zone in zones
-    }
-    known = [margin for margin in margins.values() if margin is not None]
-    return {"min_zone_margin_deg": min(known, default=None), "zone_margin_deg": margins}
-
-
-def _solver_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
-    source = trajectory.source
-    if scenario is not None:  # a reader did so already, unless the file held none
-        source = scenario.traits.current_sources(source)
-    sources = Counter(source.tolist())
-    solved = trajectory.status >= 0
-    iterations = trajectory.iterations[solved]
-    solve_time = trajectory.solve_time[np.isfinite(trajectory.solve_time)]
-    return {
-        "iterations_median": float(np.median(iterations)) if iterations.size else None,
-        "iterations_max": int(iterations.max()) if iterations.size else None,
-        "unconverged_steps": _count(series.unconverged(trajectory), solved),
-        "stalled_steps": _count(trajectory.status == series.STALLED, solved),
-        "escaping_steps": _count(trajectory.status == series.ESCAPING, solved),
-        "solve_time_median": _quantile(solve_time, 0.5),
-        "solve_time_p99": _quantile(solve_time, 0.99),
-        "solve_time_max": _quantile(solve_time, 1.0),
-        "sources": {source.name: sources[source] for source in Source if sources[source]},
-        "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
-    }
-
-
-def _count(steps: NDArray[np.bool_], solved: NDArray[np.bool_]) -> int | None:
-    """Return how many steps it is; None where no step was solved at all."""
-    return int(np.count_nonzero(steps)) if solved.any() else None
-
-
-def _largest(values: Array) -> float:
-    """Return the largest value that is not NaN; NaN where there is none."""
-    known = values[~np.isnan(values)]
-    return float(known.max()) if known.size else math.nan
-
-
-def _quantile(values: Array, share: float) -> float | None:
-    return float(np.quantile(values, share)) if values.size else None
-
-
-def _number(value: float | np.floating[Any]) -> float | None:
-    """Return a finite float or None: JSON has neither NaN nor infinity."""
-    return float(value) if math.isfinite(value) else None
+    about = {"scenario_hash": None if scenario is None else fingerprint(scenario)}
+    told: dict[str, Any] = part("metrics", scenario)(flight, scenario)
+    return about | told

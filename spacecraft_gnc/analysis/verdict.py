@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple
 
 from spacecraft_gnc.analysis.reader import is_npz
 from spacecraft_gnc.errors import GncError
@@ -12,10 +11,8 @@ from spacecraft_gnc.scenario.fingerprint import fingerprint
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from spacecraft_gnc.analysis.audit.run import Audit
-
-Watch: TypeAlias = "Callable[[str], Callable[[int, int], None] | None]"
-"""Returns, for the name of a part of the work, what is called with its progress."""
+    from spacecraft_gnc.analysis.audit import Audit
+    from spacecraft_gnc.audit.vehicle import Watch
 
 
 class Verdict(NamedTuple):
@@ -42,7 +39,7 @@ def audit_verdict(
     """
     if is_npz(path):
         return Verdict(None, "not audited: a .npz file holds no plans; record a bag")
-    from spacecraft_gnc.analysis.audit.run import audit_bag  # loads the kernels
+    from spacecraft_gnc.analysis.audit import audit_bag  # loads the kernels
 
     try:
         audit = audit_bag(

@@ -2,48 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.analysis.reader import acted, whole_steps
-from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, iter_columns, read_columns
 from spacecraft_gnc.recording.metadata import RECOVERED_RECORD
-from spacecraft_gnc.recording.steps import (
-    ACCEPTED_TARGET,
-    GOVERNOR_STATUS,
-    INVARIANTS,
-    REFERENCE,
-    SOLVER_STATUS,
-    STATE,
-    TORQUE,
-    WALL_TIMING,
-    flight_namespace,
-)
-from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.scenario.recorded import SCENARIO_ATTACHMENT, parse_scenario, scenario_texts
 from spacecraft_gnc.types import Array
 
-PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
-KEPT: Final = (
-    STATE, INVARIANTS, REFERENCE, GOVERNOR_STATUS, ACCEPTED_TARGET, TORQUE, WALL_TIMING,
-)  # fmt: skip
-LEADING: Final = (STATE, INVARIANTS)
-"""Topics that tell of the end of the last step, too."""
-_SHAPES: Final = {
-    "attitude": (9,),
-    "angular_momentum": (3,),
-    "angular_velocity": (3,),
-    "torque": (3,),
-    "applied_torque": (3,),
-}
-"""Shape of a field of which no message was recorded; any other is a number."""
+
+class Topics(NamedTuple):
+    """Topics of a vehicle that an audit reads."""
+
+    publishers: Mapping[str, str]
+    """Role that publishes it, by topic, of those with a message at every step."""
+    sparse: tuple[str, ...]
+    """Others that are kept."""
+    solves: str
+    """The topic whose plans are read some thousand at a time, as `Evidence.solves` yields them."""
+    plans: tuple[str, ...]
+    """Its fields that are."""
+    shapes: Mapping[str, tuple[int, ...]]
+    """Shape of a field of which no message was recorded; any other is a number."""
+
+    @property
+    def leading(self) -> frozenset[str]:
+        """Those of the plant, which tell of the end of the last step, too."""
+        return frozenset(name for name, role in self.publishers.items() if role == _PLANT)
+
+
+_PLANT: Final = "plant"
+_GOVERNOR: Final = "reference_governor"
 
 Progress = Callable[[int, int], None]
 
@@ -58,6 +52,8 @@ class Evidence:
         The bag.
     scenario
         What flew, as recorded.
+    topics
+        Of the vehicle.
     columns
         Every topic but the plans of the solver, which `plans` yields.
     n
@@ -69,7 +65,8 @@ class Evidence:
     """
 
     path: Path
-    scenario: Scenario
+    scenario: Any
+    topics: Topics
     columns: dict[str, Columns]
     n: int
     unfinished: bool
@@ -80,7 +77,7 @@ class Evidence:
     def rows(self, topic: str, name: str, steps: NDArray[np.int64]) -> Array:
         """Return values of a field (m, ...) at steps (m,); NaN where one was not recorded."""
         columns = self.columns[topic]
-        values = columns.fields.get(name, np.empty((0, *_SHAPES.get(name, ()))))
+        values = columns.fields.get(name, np.empty((0, *self.topics.shapes.get(name, ()))))
         found = np.full((len(steps), *values.shape[1:]), np.nan)
         places = np.searchsorted(columns.steps, steps)
         there = places < columns.steps.size
@@ -97,46 +94,43 @@ class Evidence:
 
     def solves(self, progress: Progress | None = None) -> Iterator[Columns]:
         """Yield the solver's messages, some thousand at a time."""
-        for _, block in iter_columns(self.bag, [SOLVER_STATUS], self.namespace, progress):
+        for _, block in iter_columns(self.bag, [self.topics.solves], self.namespace, progress):
             yield block
 
 
 def read_evidence(
-    bag: Bag, namespace: str | None, progress: Progress | None, *, stopped: bool = False
+    bag: Bag,
+    topics: Topics,
+    scenario: Any,
+    namespace: str | None,
+    progress: Progress | None,
+    *,
+    stopped: bool = False,
 ) -> Evidence:
     """Read what an audit needs, but for the plans; a flight that was ``stopped`` has loose ends.
 
     Raises
     ------
     RecordingError
-        If the bag is no flight of one spacecraft, or holds no scenario that this version reads.
+        If the bag is no flight of one spacecraft.
     """
-    columns = read_columns(bag, [*KEPT, SOLVER_STATUS], namespace, progress, leave_out=PLANS)
-    whole_steps(bag, columns, acted(columns))  # refuses what is no flight
-    text, defaults = scenario_texts(bag.attachments())
-    name = flight_namespace(bag, namespace)
-    scenario, problem = parse_scenario(text, bag.path, name, defaults)
-    if scenario is None:
-        reason = problem or "none is attached"
-        raise RecordingError(
-            f"{bag.path}: received no scenario to audit by ({reason}); required the attachment "
-            f"{SCENARIO_ATTACHMENT} of `gnc launch`, in this version's form; read it with the "
-            "version that flew"
-        )
+    names = [*topics.publishers, *topics.sparse]
+    columns = read_columns(bag, names, namespace, progress, leave_out=topics.plans)
     recovered = RECOVERED_RECORD in bag.metadata()
-    n = _flown(columns, bag.unfinished or recovered or stopped)
-    return Evidence(bag.path, scenario, columns, n, bag.unfinished, recovered, bag, namespace)
+    n = _flown(columns, topics, bag.unfinished or recovered or stopped)
+    return Evidence(
+        bag.path, scenario, topics, columns, n, bag.unfinished, recovered, bag, namespace
+    )
 
 
-def _flown(columns: dict[str, Columns], cut: bool) -> int:
+def _flown(columns: dict[str, Columns], topics: Topics, cut: bool) -> int:
     """Return the control steps flown: up to the last message; in a cut bag, to the last whole one.
 
     The governor answers the last state, too, of which no control step starts.
     """
-    topics = (STATE, INVARIANTS, TORQUE, SOLVER_STATUS)
     ends = [
-        int(columns[topic].steps[-1]) + (topic not in LEADING)
-        for topic in (*topics, *((REFERENCE, GOVERNOR_STATUS) if cut else ()))
-        if columns[topic].steps.size
+        int(columns[topic].steps[-1]) + (role != _PLANT)
+        for topic, role in topics.publishers.items()
+        if columns[topic].steps.size and (cut or role != _GOVERNOR)
     ]
-    return (min if cut else max)(ends)
+    return (min if cut else max)(ends, default=0)

@@ -19,8 +19,8 @@ from spacecraft_gnc.errors import ParameterError, RecordingError
 
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.reader import Flight
-    from spacecraft_gnc.analysis.resolve import Resolved
     from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.vehicles.rigid_body.resolve.replay import Resolved
 
 _STEPS: Final = re.compile(r"(\d*):(\d*)")
 _CONTROLLER: Final = "nmpc_controller"
@@ -52,9 +52,9 @@ def solve_again(wish: Solving) -> None:
         If the controller that flew does not command the same again, where it has to.
     """
     from spacecraft_gnc.analysis.reader import load_run
-    from spacecraft_gnc.analysis.resolve import resolve
-    from spacecraft_gnc.analysis.resolve_report import compare
     from spacecraft_gnc.scenario import revise
+    from spacecraft_gnc.vehicles.rigid_body.resolve.comparison import compare
+    from spacecraft_gnc.vehicles.rigid_body.resolve.replay import resolve
 
     require_folder(wish.out)
     flight = load_run(wish.source, namespace=wish.namespace, allow_unfinished=wish.unfinished)
@@ -134,8 +134,8 @@ def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Re
 def _draw(
     source: Path, folder: Path, resolved: Resolved, scenarios: tuple[Scenario, Scenario]
 ) -> list[Path]:
-    from spacecraft_gnc.analysis.resolve_report import figure
     from spacecraft_gnc.drawing.figures import save_figures
+    from spacecraft_gnc.vehicles.rigid_body.resolve.comparison import figure
 
     recorded, revised = (scenario.controller.method for scenario in scenarios)
     names = (recorded, f"{revised} again" if revised == recorded else revised)

@@ -25,7 +25,7 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.analysis.audit.run import Audit
+    from spacecraft_gnc.analysis.audit import Audit
     from spacecraft_gnc.audit.ledger import Check
     from spacecraft_gnc.scenario import Scenario
     from spacecraft_gnc.scenario.fingerprint import ValueDifference
@@ -72,8 +72,8 @@ def audit(
         raise ParameterError(
             f"--tolerance: received {tolerance!r}; required a number >= 0; give for example 1e-12"
         )
-    from spacecraft_gnc.analysis.audit.run import audit_bag
-    from spacecraft_gnc.analysis.limits import as_dicts
+    from spacecraft_gnc.analysis.audit import audit_bag
+    from spacecraft_gnc.audit.limits import as_dicts
     from spacecraft_gnc.scenario.fingerprint import differences
 
     intended = None if scenario is None else _intended(scenario, namespace)

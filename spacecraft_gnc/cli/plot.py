@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -25,10 +25,10 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.analysis.reader import Flight
+    from spacecraft_gnc.analysis.flown import Flown
     from spacecraft_gnc.cli._progress import Progress
     from spacecraft_gnc.drawing.figures import Maker
-    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.drawing.vehicle import VehicleFigures
 
 
 class Format(str, Enum):
@@ -122,10 +122,12 @@ def plot(
     quiet: QuietOption = False,
 ) -> None:
     """Draw the figures of a flight for print, or of several flights over each other."""
+    from spacecraft_gnc.analysis.flown import flown
     from spacecraft_gnc.analysis.metrics import summarize
     from spacecraft_gnc.analysis.reader import load_run
     from spacecraft_gnc.analysis.run_info import UNKNOWN_SCENARIO
     from spacecraft_gnc.analysis.run_names import run_names
+    from spacecraft_gnc.analysis.vehicle import part
 
     given = given_scenario(scenario)
     require_folder(out)
@@ -137,25 +139,29 @@ def plot(
             load_run(path, namespace=namespace, allow_unfinished=unfinished) for path in sources
         ]
         known = [known_scenario(flight.info, given) for flight in flights]
-        runs = {
-            name: _Run(flight, scenario)
+        runs = [
+            flown(name, flight, scenario, allow_unfinished=unfinished)
             for name, flight, scenario in zip(run_names(sources), flights, known, strict=True)
-        }
+        ]
+        named = [run.name for run in runs]
         if animate is not None:
-            files = _animated(runs, animate, title, progress)
+            progress(0, 1, "drawing the moving picture")
+            heading = " and ".join(named) if title is None else title
+            part("figures", runs[0].scenario).animate(runs, animate, title=heading)
+            files = [animate]
         else:
-            makers = _makers(runs, title, error_scale.value, unfinished)
-            folder = out if out is not None else Path(f"{'-'.join(runs)}-figures".replace("/", "_"))
+            makers = _makers(runs, title, error_scale.value)
+            folder = (
+                out if out is not None else Path(f"{'-'.join(named)}-figures".replace("/", "_"))
+            )
             files = _drawn(makers, _chosen(makers, only), folder, formats, progress)
-    for run in runs.values():
-        for warning in run.flight.info.warnings():
+    for run in runs:
+        for warning in run.info.warnings():
             print(f"warning: {warning}", file=sys.stderr)
         if run.scenario is None and not quiet:
-            print(f"note: {run.flight.info.path}: {UNKNOWN_SCENARIO}", file=sys.stderr)
+            print(f"note: {run.info.path}: {UNKNOWN_SCENARIO}", file=sys.stderr)
     if as_json:
-        metrics = {
-            name: summarize(run.flight.trajectory, run.scenario) for name, run in runs.items()
-        }
+        metrics = {run.name: summarize(run.trajectory, run.scenario) for run in runs}
         described = (
             {"runs": metrics} if len(runs) > 1 else {"metrics": next(iter(metrics.values()))}
         )
@@ -166,13 +172,6 @@ def plot(
             print(file)
 
 
-class _Run(NamedTuple):
-    """A flight, and what flew."""
-
-    flight: Flight
-    scenario: Scenario | None
-
-
 def _require_alone(out: Path | None, only: list[str] | None) -> None:
     """Refuse options of the figures beside ``--animate``."""
     for name, value in {"--out": out, "--only": only}.items():
@@ -181,18 +180,6 @@ def _require_alone(out: Path | None, only: list[str] | None) -> None:
                 f"--animate: received with {name}; required without it, as no figure is drawn "
                 f"beside the moving picture; leave {name} out, or draw the figures in a second call"
             )
-
-
-def _animated(
-    runs: Mapping[str, _Run], path: Path, title: str | None, progress: Progress
-) -> list[Path]:
-    """Write the moving picture; return its file."""
-    from spacecraft_gnc.analysis.animation import save_animation
-
-    progress(0, 1, "drawing the moving picture")
-    flown = {name: (run.flight.trajectory, run.scenario) for name, run in runs.items()}
-    save_animation(flown, path, title=" and ".join(runs) if title is None else title)
-    return [path]
 
 
 def _drawn(
@@ -213,22 +200,15 @@ def _drawn(
     return files
 
 
-def _makers(
-    runs: Mapping[str, _Run], title: str | None, error_scale: str, unfinished: bool
-) -> dict[str, Maker]:
+def _makers(runs: list[Flown], title: str | None, error_scale: str) -> dict[str, Maker]:
     """Return what draws each figure, by name."""
-    from spacecraft_gnc.analysis.figures import flight_makers
-    from spacecraft_gnc.analysis.figures_record import comparison_makers, record_makers
-    from spacecraft_gnc.analysis.telemetry import read_telemetry
+    from spacecraft_gnc.analysis.vehicle import part
 
+    figures: VehicleFigures = part("figures", runs[0].scenario)
     if len(runs) > 1:
-        flown = {name: (run.flight.trajectory, run.scenario) for name, run in runs.items()}
-        return comparison_makers(flown, error_scale=error_scale)
-    ((name, (flight, scenario)),) = runs.items()
-    heading = name if title is None else title
-    telemetry = read_telemetry(flight, scenario, allow_unfinished=unfinished)
-    motion = flight_makers(flight.trajectory, scenario, title=heading, error_scale=error_scale)
-    return {**motion, **record_makers(flight.trajectory, telemetry, scenario)}
+        return figures.comparison(runs, error_scale=error_scale)
+    heading = runs[0].name if title is None else title
+    return figures.flight(runs[0], title=heading, error_scale=error_scale)
 
 
 def _chosen(makers: Mapping[str, Maker], only: list[str] | None) -> list[str]:

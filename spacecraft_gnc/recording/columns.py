@@ -24,6 +24,7 @@ from spacecraft_gnc.types import Array
 
 _BLOCK: Final = 4096  # messages of one topic that are decoded together
 _BLOCK_BYTES: Final = 8 << 20  # the same in bytes: plans over hundreds of steps are long
+_MOST_LOST: Final = 1000  # a damaged step number must not make arrays of any size
 _MOST_STEPS: Final = 2**53  # where a float stops to hold each integer
 _STEP: Final = "step"
 _STAMP: Final = ("header.stamp.sec", "header.stamp.nanosec")
@@ -222,3 +223,19 @@ def _by_step(columns: Columns) -> Columns:
     fields = {name: values[first] for name, values in columns.fields.items()}
     repeats = columns.repeats + columns.steps.size - steps.size
     return Columns(steps, columns.stamps[first], fields, repeats, columns.conflicts)
+
+
+def require_reach(bag: Bag, *steps: NDArray[np.int64]) -> None:
+    """Refuse a step number far beyond what was recorded, which would make arrays of any size.
+
+    Raises
+    ------
+    RecordingError
+        If there is one.
+    """
+    count, last = sum(each.size for each in steps), max(each.max(initial=0) for each in steps)
+    if last > _MOST_LOST * count:
+        raise RecordingError(
+            f"{bag.path}: received {count} messages and one of them at step {last}; required one "
+            f"at least every {_MOST_LOST} steps; a step number is damaged, or most was lost"
+        )

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels
-from spacecraft_gnc.analysis.series import momenta, state_times
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.studies import overlays
 from spacecraft_gnc.studies.bagherzadeh2023 import square_errors
@@ -26,6 +24,8 @@ from spacecraft_gnc.studies.bagherzadeh2023_study import (
     Study,
 )
 from spacecraft_gnc.studies.flights import Flown
+from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+from spacecraft_gnc.vehicles.rigid_body.series import momenta, state_times
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,7 +14,6 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import series
 from spacecraft_gnc.ocp import NominalRun, ShootingSolver, Solution, fly_nominal
 from spacecraft_gnc.ocp.linearization import deviation, linearize
 from spacecraft_gnc.scenario import Scenario, load
@@ -28,6 +27,7 @@ from spacecraft_gnc.studies.flights import (
     set_vector,
 )
 from spacecraft_gnc.types import Array, Matrix3, Vector3
+from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 NOMINAL: Final = np.array([0.25, 0.5, 0.5])

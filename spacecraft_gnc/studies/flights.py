@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import series
 from spacecraft_gnc.loop import ClosedLoop, Trajectory
 from spacecraft_gnc.loop.protocols import (
     Command,
@@ -22,6 +21,7 @@ from spacecraft_gnc.loop.protocols import (
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.shipped import shipped
 from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.vehicles.rigid_body import series
 
 Progress = Callable[[str, int, int], None]
 """Called with what flies, its step, and its number of steps."""

@@ -16,7 +16,6 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
-from spacecraft_gnc.analysis.series import attitudes
 from spacecraft_gnc.loop import Trajectory
 from spacecraft_gnc.ocp import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.linearization import linearize
@@ -31,6 +30,7 @@ from spacecraft_gnc.studies.report import NONE, Check, Report, Table, seconds, t
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
+from spacecraft_gnc.vehicles.rigid_body.series import attitudes
 
 NAME: Final = "gupta2015"
 TITLE: Final = (

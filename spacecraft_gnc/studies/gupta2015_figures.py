@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels
-from spacecraft_gnc.analysis.series import attitude_error_deg, state_times
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.axes import limit
 from spacecraft_gnc.studies import overlays
@@ -19,6 +17,8 @@ from spacecraft_gnc.studies.gupta2015 import (
     Flights,
     zone_constraint,
 )
+from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+from spacecraft_gnc.vehicles.rigid_body.series import attitude_error_deg, state_times
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

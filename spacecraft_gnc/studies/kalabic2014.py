@@ -13,13 +13,14 @@ from typing import Any, Final
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import series
-from spacecraft_gnc.analysis.metrics import settle_time, summarize
+from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.loop import Trajectory
 from spacecraft_gnc.studies.flights import Flown, Progress, fly
 from spacecraft_gnc.studies.report import Check, Report, Table, seconds, times
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.metrics.summary import settle_time
 
 NAME: Final = "kalabic2014"
 TITLE: Final = (

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from spacecraft_gnc.analysis import panels, series
 from spacecraft_gnc.drawing import sphere, style
 from spacecraft_gnc.drawing.axes import frame, limit
 from spacecraft_gnc.studies import overlays
@@ -25,6 +24,8 @@ from spacecraft_gnc.studies.kalabic2014 import (
     Flights,
     error_deg,
 )
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,13 +15,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import animation
-from spacecraft_gnc.analysis._animated_run import animated_run
-from spacecraft_gnc.analysis._scene import Scene
-from spacecraft_gnc.analysis._spacecraft import draw_spacecraft
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.sphere import View
 from spacecraft_gnc.errors import ParameterError, RecordingError
+from spacecraft_gnc.vehicles.rigid_body.pictures import animation
+from spacecraft_gnc.vehicles.rigid_body.pictures._animated_run import animated_run
+from spacecraft_gnc.vehicles.rigid_body.pictures._scene import Scene
+from spacecraft_gnc.vehicles.rigid_body.pictures._spacecraft import draw_spacecraft
 
 SIZE = (800, 640)  # as README shows it, pixel for pixel
 HALF_ANGLE = 10.0  # [deg]

@@ -9,7 +9,7 @@ from flown_bags import edited, first_of, flipped, fly, messages_of, rewrite, sec
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns

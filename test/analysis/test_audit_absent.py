@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from flown_bags import fly, messages_of, rewrite
 
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 
 
 @pytest.fixture(scope="module")

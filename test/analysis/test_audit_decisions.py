@@ -10,7 +10,7 @@ from mcap.reader import make_reader
 from recording.bags import CODEC, TOPICS
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
 from spacecraft_gnc.recording.stamps import step_of

@@ -9,7 +9,7 @@ import pytest
 from flown_bags import TERMINAL_SET, edited, first_of, fly, messages_of, rewrite, sections
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp import Status

@@ -8,7 +8,7 @@ import pytest
 from flown_bags import TERMINAL_SET, edited, first_of, flipped, fly, messages_of, rewrite, sections
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.audit.counts import Counts
@@ -17,7 +17,9 @@ from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.stamps import step_of
+from spacecraft_gnc.scenario.recorded import parse_scenario, scenario_texts
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
+from spacecraft_gnc.vehicles.rigid_body.audit.flight import AUDIT
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
 from spacecraft_gnc.vehicles.rigid_body.audit.solver import SolverAudit
 
@@ -177,7 +179,9 @@ def test_a_standstill_and_the_way_out_are_worked_out_again(tmp_path):
 def test_the_multiplier_of_an_active_terminal_set_is_found(tmp_path):
     flown = fly(tmp_path, sections(**FLIGHTS["an active terminal set"]))
     with open_bag(flown) as bag:
-        evidence = read_evidence(bag, None, None)
+        text, defaults = scenario_texts(bag.attachments())
+        scenario, _ = parse_scenario(text, bag.path, defaults=defaults)
+        evidence = read_evidence(bag, AUDIT.topics, scenario, None, None)
         (block,) = evidence.solves()
         certifier = Certifier.from_scenario(evidence.scenario)
         auditor = SolverAudit(evidence, certifier, Ledger(), Counts())

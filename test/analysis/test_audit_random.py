@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from flown_bags import fly, sections
 
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 
 METHODS = ("shooting", "neighboring_extremal", "fsolve")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from flown_bags import first_of, fly, sections
 
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.vehicles.rigid_body.audit.corrections import AGES, CORRECTIONS
 
 WEIGHTS = {

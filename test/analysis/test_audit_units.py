@@ -9,7 +9,7 @@ import pytest
 from flown_bags import fly
 from rescaled import rescaled
 
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.reader import read_flight
 

@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import panels
-from spacecraft_gnc.analysis.figures import flight_figures
 from spacecraft_gnc.drawing import sphere, style
 from spacecraft_gnc.drawing.figures import FORMATS, save_figures
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+from spacecraft_gnc.vehicles.rigid_body.pictures.figures import flight_figures
 
 ZONES = {
     "star": zone([0.9276, 0.3736, 0.0], 4.9965),

@@ -10,12 +10,15 @@ import pytest
 from analysis.flights import at_rest, case1, scenario
 from matplotlib.colors import to_hex
 
-from spacecraft_gnc.analysis import series
-from spacecraft_gnc.analysis.figures_record import comparison_makers, record_makers
-from spacecraft_gnc.analysis.sources import NOT_RECORDED, stretches
-from spacecraft_gnc.analysis.telemetry import computed
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.figures import save_figures
+from spacecraft_gnc.drawing.sources import NOT_RECORDED, stretches
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.pictures.figures_record import (
+    comparison_makers,
+    record_makers,
+)
+from spacecraft_gnc.vehicles.rigid_body.telemetry import computed
 
 FLOWN = case1()
 SOURCES = np.array([0] * 5 + [3] * 4 + [NOT_RECORDED] * 2 + [4] * 9)
@@ -67,7 +70,7 @@ def test_the_figures_are_written(tmp_path, drawn):
 
 def test_stretches_cover_the_flight_without_a_gap():
     flight = at_rest(source=SOURCES)
-    found = stretches(flight)
+    found = stretches(SOURCES, series.state_times(flight))
     assert [(s.source, s.steps) for s in found] == [(0, 5), (3, 4), (NOT_RECORDED, 2), (4, 9)]
     assert found[0].begin == 0.0
     assert all(a.end == b.begin for a, b in itertools.pairwise(found))
@@ -76,13 +79,13 @@ def test_stretches_cover_the_flight_without_a_gap():
 
 def test_any_fallback_of_an_interval_hides_the_method_itself():
     own, zero = 5, 4
-    found = stretches(at_rest(6, source=np.array([own, own, own, zero, own, own])), 2)
+    found = stretches(np.array([own, own, own, zero, own, own]), np.arange(7.0), 2)
     assert [(s.source, s.steps) for s in found] == [(own, 2), (zero, 2), (own, 2)]
 
 
 @pytest.mark.parametrize("width", [2, 3, 7, 100])
 def test_steps_taken_together_show_their_lowest_rung(width):
-    found = stretches(at_rest(source=SOURCES), width)
+    found = stretches(SOURCES, np.arange(len(SOURCES) + 1.0), width)
     assert sum(s.steps for s in found) == len(SOURCES)
     ranked = np.where(SOURCES == NOT_RECORDED, 9, SOURCES)  # it has none of the method's own
     worst = {int(ranked[k : k + width].max()) for k in range(0, len(SOURCES), width)}

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.limits import Exceedance, limits_exceeded
 from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.audit.limits import Exceedance
 from spacecraft_gnc.scenario import from_sections, load
+from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
 
 BODY = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
 AHEAD = np.eye(3)[None]

@@ -12,15 +12,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import series
-from spacecraft_gnc.analysis.metrics import settle_time, summarize
+from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.ocp import ShootingSolver, Status, TerminalSetSolver
 from spacecraft_gnc.scenario import from_sections, load
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set.controller import (
     TerminalSetController,
 )
+from spacecraft_gnc.vehicles.rigid_body.metrics.summary import settle_time
 
 
 def about_z(degrees):

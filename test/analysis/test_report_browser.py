@@ -8,8 +8,8 @@ from analysis.report_pages import NASTY, bag, flight, page
 from browser import WINDOW, console_errors, requested_urls, wait_until
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import representations as forms
-from spacecraft_gnc.analysis import series
+from spacecraft_gnc.drawing import representations as forms
+from spacecraft_gnc.vehicles.rigid_body import series
 
 STEPS = 20
 FLOWN = flight(STEPS)

@@ -10,7 +10,7 @@ from hypothesis import given
 from strategies import rotations
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis import representations as forms
+from spacecraft_gnc.drawing import representations as forms
 
 STEP = 0.05  # [rad] between two attitudes of a path: far less than what a jump would be
 

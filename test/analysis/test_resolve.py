@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from analysis.flights import DATA, case1
 
-from spacecraft_gnc.analysis import series
-from spacecraft_gnc.analysis.resolve import resolve
-from spacecraft_gnc.analysis.resolve_report import compare, figure
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.scenario import load, revise
+from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
+from spacecraft_gnc.vehicles.rigid_body.resolve.comparison import compare, figure
+from spacecraft_gnc.vehicles.rigid_body.resolve.replay import resolve
 
 CONFIG = DATA.parents[1] / "config"
 SHORT = {"plant.duration": 16.0, "launcher.cut_short": True}

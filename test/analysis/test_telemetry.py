@@ -8,10 +8,11 @@ import numpy as np
 from analysis.flights import at_rest, case1, scenario
 from recording.bags import CODEC, flight_messages, random_flight, record
 
+from spacecraft_gnc.analysis.flown import flown as told
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.reader import load_run
-from spacecraft_gnc.analysis.telemetry import computed, read_telemetry
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.vehicles.rigid_body.telemetry import computed
 
 FLIGHT = random_flight(6)
 LOST = 2
@@ -35,7 +36,7 @@ def test_what_the_plant_published_is_kept_by_step(tmp_path):
             )
             name = "spacecraft_gnc_msgs/msg/PlantInvariants"
             items.append((topic, step, bytes(CODEC.store.serialize_cdr(message, name))))
-    found = read_telemetry(load_run(record(tmp_path / "bag", items)))
+    found = told("run", load_run(record(tmp_path / "bag", items)), None).telemetry
     steps = np.arange(7.0)
     steps[LOST] = np.nan
     assert found.invariants_recorded
@@ -49,7 +50,7 @@ def test_what_the_plant_published_is_kept_by_step(tmp_path):
 def test_of_a_file_the_invariants_are_those_of_its_states(tmp_path):
     flown = case1()
     flight = load_run(flown.save(tmp_path / "case1.npz"))
-    found = read_telemetry(flight, scenario())
+    found = told("run", flight, scenario()).telemetry
     inertia = np.diag([1.0, 0.8, 0.8])
     for k in (0, 30, 374):
         energy = 0.5 * flown.momentum[k] @ np.linalg.inv(inertia) @ flown.momentum[k]

@@ -22,7 +22,7 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc_msgs.msg import GovernorStatus
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.audit.ledger import Check
 from spacecraft_gnc.launcher.launcher import Launcher

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from spacecraft_gnc.analysis import series
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.shipped import shipped
+from spacecraft_gnc.vehicles.rigid_body import series
 
 LIMIT = 0.01  # [N m]
 SOFT = 2e-5  # share by which the penalty of the torque lets the norm pass the limit

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from flown_bags import fly
 
-from spacecraft_gnc.analysis.audit.run import audit_bag
+from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.reader import load_run
 from spacecraft_gnc.scenario import Scenario, from_sections
 from spacecraft_gnc.scenario.recorded import parse_scenario

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.analysis.export.field_text import FieldText, field_texts
-from spacecraft_gnc.analysis.reader import require_reach
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag, open_bag
-from spacecraft_gnc.recording.columns import Columns, read_columns
+from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
 from spacecraft_gnc.recording.steps import TYPES, namespace_topics
 
 STEP: Final = "step"

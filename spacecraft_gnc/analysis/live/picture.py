@@ -10,11 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.series import pointing_margin_deg
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Matrix3, Vector3
 from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
+from spacecraft_gnc.vehicles.rigid_body.series import pointing_margin_deg
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
 _STATUSES: Final = (

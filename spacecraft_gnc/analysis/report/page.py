@@ -12,16 +12,13 @@ from typing import Any, Final
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.analysis.report import tables
-from spacecraft_gnc.analysis.report.motion import motion_charts
-from spacecraft_gnc.analysis.report.record import invariant_charts, source_chart
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.report.solver import solver_charts
-from spacecraft_gnc.analysis.report.sphere3d import frames_note, sphere_data
+from spacecraft_gnc.analysis.vehicle import part
 from spacecraft_gnc.drawing.chart import Chart
 from spacecraft_gnc.drawing.envelope import budget, per_interval
+from spacecraft_gnc.drawing.vehicle import VehicleReport
 from spacecraft_gnc.drawing.whole_file import whole_file
 
-_SCRIPTS: Final = ("report.js", "sphere.js")
 # Nothing may be fetched, whatever a script in the page may ask for. plotly.js compiles the code of
 # its 3-D scenes when it runs.
 _POLICY: Final = (
@@ -41,14 +38,11 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
         Heading; default: the names of the runs.
     """
     points = budget(len(runs))
-    charts = [
-        *motion_charts(runs, points),
-        source_chart(runs, points),
-        *solver_charts(runs, points),
-        *invariant_charts(runs, points),
-    ]
+    vehicle: VehicleReport = part("report", runs[0].scenario)
+    charts = list(vehicle.charts(runs, points))
+    view, note = vehicle.scene(runs, points)
     heading = html.escape(title or ", ".join(run.name for run in runs))
-    data = {"charts": [chart.data() for chart in charts], "sphere": sphere_data(runs, points)}
+    data = {"charts": [chart.data() for chart in charts], "view": view}
     parts = {
         "title": heading,
         "several": "several" if len(runs) > 1 else "",
@@ -57,16 +51,16 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
         "style": _resource("report.css"),
         "warnings": tables.warnings(runs),
         "thinned": _thinned(runs, points),
-        "summary": tables.summary(runs),
+        "summary": tables.summary(runs, vehicle.rows),
         "verdicts": tables.verdicts(runs),
         "run_options": _options(run.name for run in runs),
-        "frames_note": html.escape(frames_note(runs, points)),
+        "frames_note": html.escape(note),
         "charts": "".join(_chart(chart) for chart in paired(charts)),
         "scenarios": tables.scenarios(runs),
         "recordings": tables.recordings(runs),
         "data": _embedded(data),
         "plotly": _plotly(),
-        "script": "\n".join(_resource(name) for name in _SCRIPTS),
+        "script": "\n".join([_resource("report.js"), vehicle.scene_script()]),
     }
     return _filled(_resource("report.html"), parts)
 

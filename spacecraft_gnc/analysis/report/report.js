@@ -62,7 +62,7 @@ async function drawReport() {
     connectVariants(select, chartNamed(select.dataset.variants));
   }
   packCharts(document.querySelector(".charts"));
-  await drawSphere(report.sphere);
+  await drawView(report.view);
   for (const chart of report.charts) await drawChart(chart);
   document.documentElement.dataset.ready = "true";
 }

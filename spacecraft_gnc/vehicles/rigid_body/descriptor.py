@@ -33,4 +33,9 @@ VEHICLE: Final = Vehicle(
     facts=_lazy("facts:facts"),
     outlook=_lazy("outlook:outlook"),
     warmup=_lazy("warmup:WARMUP"),
+    columns=_lazy("recorded:read_recorded"),
+    audit=_lazy("audit.flight:AUDIT"),
+    metrics=_lazy("metrics.summary:summarize"),
+    figures=_lazy("pictures:FIGURES"),
+    report=_lazy("report:REPORT"),
 )

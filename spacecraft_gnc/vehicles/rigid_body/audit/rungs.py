@@ -75,7 +75,7 @@ def audit_law(
         torques[i], sources[i] = command.torque, command.source
         recorded[i], published[i] = found.torque, found.source
     ledger.compare(LAW, steps, {TORQUE_FIELD: recorded}, {TORQUE_FIELD: torques})
-    current = evidence.scenario.traits.current_sources(published)
+    current = evidence.scenario.method.current_sources(published)
     ledger.compare(LAW, steps, {_SOURCE: current}, {_SOURCE: sources})
 
 

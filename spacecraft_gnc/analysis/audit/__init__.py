@@ -1,1 +1,0 @@
-"""A bag audited: integrated again, and every command certified afresh."""

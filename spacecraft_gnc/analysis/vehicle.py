@@ -1,0 +1,38 @@
+"""The vehicle of a run, asked for what only it knows of its flights."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.lazy import Lazy
+from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
+from spacecraft_gnc.vehicles.registry import vehicle_of
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.scenario import Scenario
+
+
+def part(name: str, scenario: Scenario | None = None) -> Any:
+    """Return a part of the vehicle that flew, imported when it is first needed.
+
+    Parameters
+    ----------
+    name
+        Of the part, an attribute of `Vehicle`.
+    scenario
+        What flew; None: not known, and then it is the vehicle of scenarios that name none.
+
+    Raises
+    ------
+    ParameterError
+        If the vehicle has no such part.
+    """
+    vehicle = vehicle_of(DEFAULT_VEHICLE) if scenario is None else scenario.vehicle
+    found: Lazy | None = getattr(vehicle, name)
+    if found is None:
+        raise ParameterError(
+            f"vehicle {vehicle.name}: received a flight to read by its part {name!r}, which it "
+            "does not have; required a vehicle with that part; see docs/architecture.md"
+        )
+    return found.load()

@@ -1,0 +1,76 @@
+"""Whether every step is there, once, and at its time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.audit.evidence import Evidence
+from spacecraft_gnc.audit.ledger import Ledger
+from spacecraft_gnc.types import Array
+
+_EACH = "each step once"
+_NS = 1_000_000_000
+
+
+def audit_order(evidence: Evidence, ledger: Ledger, held: NDArray[np.int64], stopped: bool) -> None:
+    """Check the steps and the time stamps of every topic that has a message a step.
+
+    Steps ``held`` went on without a command; a flight that ``stopped`` may be shorter than planned.
+    """
+    for topic in evidence.topics.publishers:
+        _each_step(evidence, ledger, topic, held)
+    _whole_flight(evidence, ledger, stopped)
+    for topic in evidence.topics.publishers:
+        columns = evidence.columns[topic]
+        if columns.steps.size:
+            name = "time stamps"
+            expected = stamps_of(columns.steps, evidence.scenario.period)
+            where = f"{topic}.header.stamp"
+            ledger.compare(name, columns.steps, {where: columns.stamps}, {where: expected})
+
+
+def stamps_of(steps: NDArray[np.int64], period: float) -> Array:
+    """Return the stamps (m,) [s] of steps, in whole nanoseconds as the nodes count them."""
+    seconds, nanoseconds = np.divmod(steps * round(period * _NS), _NS)
+    return np.asarray(seconds + 1e-9 * nanoseconds)
+
+
+def _each_step(evidence: Evidence, ledger: Ledger, topic: str, held: NDArray[np.int64]) -> None:
+    columns, name = evidence.columns[topic], f"steps of {topic}"
+    last = evidence.n if topic in evidence.topics.leading else evidence.n - 1
+    if not columns.steps.size and not _is_expected(evidence, topic):
+        ledger.skip(name, "the scenario has it not recorded")
+        return
+    required = np.arange(last + 1)
+    there = np.isin(required, columns.steps, assume_unique=True)
+    if topic not in evidence.topics.leading:
+        unanswered = int((~there & np.isin(required, held)).sum())
+        there |= np.isin(required, held)
+        if unanswered:
+            ledger.check(name, _EACH, f"{unanswered} steps without one, counted by the plant")
+    ledger.require(name, _EACH, required, f"{topic} (missing)", there)
+    for step in columns.conflicts:
+        ledger.fail(name, _EACH, step, f"{topic} (two different messages)")
+    if columns.repeats:
+        ledger.check(name, _EACH, f"{columns.repeats} sent again with the same bytes")
+
+
+def _is_expected(evidence: Evidence, topic: str) -> bool:
+    wanted = {name.strip("/") for name in evidence.scenario.recorder.topics}
+    nodes = evidence.scenario.launcher.nodes
+    return evidence.topics.publishers[topic] in nodes and (not wanted or topic in wanted)
+
+
+def _whole_flight(evidence: Evidence, ledger: Ledger, stopped: bool) -> None:
+    name, planned = "length of the flight", evidence.scenario.n_steps
+    line = ledger.check(name, f"{planned} steps")
+    saved = f"{evidence.n} of {planned} steps were saved"
+    if evidence.recovered:
+        ledger.skip(name, f"the bag was cut off and recovered: {saved}")
+    elif stopped:
+        ledger.skip(name, f"--unfinished: {saved}")
+    elif evidence.n == planned:
+        line.count("the last step", planned)
+    else:
+        ledger.fail(name, f"{planned} steps", min(evidence.n, planned), "the last step")

@@ -1,0 +1,189 @@
+"use strict";
+// The attitude on the unit sphere, and the slider that moves the body axes.
+
+const AXES = ["x", "y", "z"];
+const ARROW = 0.12; // length of an arrow's head
+
+function unpack(array) {
+  const bytes = Uint8Array.from(atob(array.bdata), (letter) => letter.charCodeAt(0));
+  return new Float64Array(bytes.buffer);
+}
+
+// Attitudes are 3x3 matrices, row-major, from body to inertial components: column j is body axis j.
+const columnOf = (matrices, k, j) => [0, 1, 2].map((i) => matrices[9 * k + 3 * i + j]);
+const timesVector = (matrices, k, v) =>
+  [0, 1, 2].map((i) => [0, 1, 2].reduce((sum, j) => sum + matrices[9 * k + 3 * i + j] * v[j], 0));
+
+function unpackRun(run) {
+  const unpacked = { ...run };
+  for (const name of ["time", "attitude", "reference", "error"]) unpacked[name] = unpack(run[name]);
+  unpacked.readout = run.readout.map((line) => ({ ...line, values: unpack(line.values) }));
+  return unpacked;
+}
+
+// Points of a curve, three numbers each.
+function rowsOf(packed) {
+  const numbers = unpack(packed), rows = [];
+  for (let k = 0; k < numbers.length; k += 3) rows.push(Array.from(numbers.slice(k, k + 3)));
+  return rows;
+}
+
+function line3d(points, options) {
+  const [x, y, z] = [0, 1, 2].map((i) => points.map((point) => point[i]));
+  return { type: "scatter3d", mode: "lines", x, y, z, hoverinfo: "skip", showlegend: false, ...options };
+}
+
+function ball(sphere) {
+  const x = [], y = [], z = [], turns = 48, bands = 24;
+  for (let i = 0; i <= bands; i += 1) {
+    const polar = (Math.PI * i) / bands, row = [[], [], []];
+    for (let j = 0; j <= turns; j += 1) {
+      const turn = (2 * Math.PI * j) / turns;
+      row[0].push(0.985 * Math.sin(polar) * Math.cos(turn));
+      row[1].push(0.985 * Math.sin(polar) * Math.sin(turn));
+      row[2].push(0.985 * Math.cos(polar));
+    }
+    x.push(row[0]); y.push(row[1]); z.push(row[2]);
+  }
+  const surface = { type: "surface", x, y, z, opacity: 0.35, showscale: false, hoverinfo: "skip",
+    colorscale: [[0, "#eef1f5"], [1, "#eef1f5"]], lighting: { ambient: 0.95, diffuse: 0.1, specular: 0 },
+    contours: { x: { highlight: false }, y: { highlight: false }, z: { highlight: false } } };
+  const graticule = { line: { color: "#c9ced6", width: 1 } };
+  const circles = sphere.graticule.map((packed) => line3d(rowsOf(packed), graticule));
+  const axes = AXES.map((name, i) => {
+    const tip = [0, 1, 2].map((j) => (i === j ? 1.22 : 0));
+    const foot = tip.map((value) => value / 1.22);
+    return line3d([foot, tip], { mode: "lines+text", text: ["", name.toUpperCase()],
+      textfont: { color: sphere.ink, size: 13 }, line: { color: sphere.ink, width: 2 } });
+  });
+  return [surface, ...circles, ...axes];
+}
+
+function zoneTraces(zone) {
+  const points = rowsOf(zone.points), ring = rowsOf(zone.border);
+  const pick = (rows, i) => rows.map((row) => row[i]);
+  const [i, j, k] = zone.triangles;
+  const mesh = { type: "mesh3d", x: pick(points, 0), y: pick(points, 1), z: pick(points, 2), i, j, k,
+    color: zone.colour, opacity: 0.55, name: zone.name, showlegend: true, hoverinfo: "name",
+    flatshading: true, lighting: { ambient: 1, diffuse: 0, specular: 0 } };
+  ring.push(ring[0]);
+  return [mesh, line3d(ring, { line: { color: zone.colour, width: 5 } })];
+}
+
+function pathOf(run, vector, options) {
+  const points = [];
+  for (let k = 0; k < run.count; k += 1) points.push(timesVector(run.attitude, k, vector));
+  return line3d(points, options);
+}
+
+// A shaft with two barbs, drawn as one line: the scene has no arrows of its own.
+function arrow(tip, side) {
+  const barb = (sign) => [0, 1, 2].map((i) => (1 - ARROW) * tip[i] + 0.5 * sign * ARROW * side[i]);
+  return [[0, 0, 0], tip, barb(1), tip, barb(-1)];
+}
+
+function arrowsAt(run, k) {
+  const arrows = AXES.map((_, j) => arrow(columnOf(run.attitude, k, j), columnOf(run.attitude, k, (j + 1) % 3)));
+  for (const zone of run.zones.filter((item) => item.boresight)) {
+    const tip = timesVector(run.attitude, k, zone.bodyAxis);
+    arrows.push([[0, 0, 0], tip]);
+  }
+  const diamonds = AXES.map((_, j) => [columnOf(run.reference, k, j)]);
+  return [...arrows, ...diamonds];
+}
+
+function movingTraces(sphere, run, k) {
+  const boresights = run.zones.filter((zone) => zone.boresight);
+  const styles = [
+    ...AXES.map((name, j) => ({ name: `body ${name}`, showlegend: true, line: { color: sphere.axisColours[j], width: 7 } })),
+    ...boresights.map((zone) => ({ name: `boresight of ${zone.name}`, showlegend: true, line: { color: zone.colour, width: 7 } })),
+    ...AXES.map((name, j) => ({ name: `reference ${name}`, mode: "markers",
+      marker: { symbol: "diamond-open", size: 6, color: sphere.axisColours[j] } })),
+  ];
+  return arrowsAt(run, k).map((points, i) => line3d(points, styles[i]));
+}
+
+function readoutRows(run, k) {
+  return run.readout.map(({ label, values, width, fixed, significant, notes }) => {
+    const text = (value) => (fixed === undefined ? value.toPrecision(significant) : value.toFixed(fixed));
+    const numbers = Array.from(values.slice(width * k, width * (k + 1)), text).join(", ");
+    return [label, notes?.length ? `${numbers} (${notes[k]})` : numbers];
+  });
+}
+
+function writeReadout(run, k) {
+  const text = `t = ${run.time[k].toFixed(2)} s, step ${run.step[k]}`;
+  document.getElementById("time-text").textContent = text;
+  document.getElementById("time").setAttribute("aria-valuetext", `${text}, error ${run.error[k].toPrecision(3)} degrees`);
+  const rows = readoutRows(run, k).map(([name, value]) => {
+    const row = document.createElement("tr");
+    const head = row.appendChild(document.createElement("th"));
+    head.scope = "row";
+    head.textContent = name;
+    row.appendChild(document.createElement("td")).textContent = value;
+    return row;
+  });
+  document.getElementById("readout").replaceChildren(...rows);
+}
+
+function sceneLayout() {
+  const hidden = { visible: false, range: [-1.3, 1.3] };
+  return { margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#fff", showlegend: true,
+    font: { family: "system-ui, sans-serif", size: 12 },
+    legend: { orientation: "h", x: 0, y: 0, yanchor: "top" },
+    scene: { xaxis: hidden, yaxis: hidden, zaxis: hidden, aspectmode: "manual",
+      aspectratio: { x: 2, y: 2, z: 2 }, dragmode: "orbit",
+      camera: { eye: { x: 1.05, y: 0.85, z: 0.6 }, projection: { type: "orthographic" } } } };
+}
+
+async function drawView(sphere) {
+  const runs = sphere.runs.map(unpackRun);
+  const slider = document.getElementById("time"), select = document.getElementById("sphere-run");
+  const play = document.getElementById("play");
+  let run = runs[0], first = 0, timer = null;
+
+  async function showRun(index) {
+    run = runs[index];
+    const paths = AXES.map((name, j) => pathOf(run, [0, 1, 2].map((i) => (i === j ? 1 : 0)),
+      { line: { color: sphere.axisColours[j], width: 3 } }));
+    const fixed = [...ball(sphere), ...run.zones.flatMap(zoneTraces), ...paths];
+    first = fixed.length;
+    slider.max = String(run.count - 1);
+    slider.value = "0";
+    await Plotly.react("sphere", [...fixed, ...movingTraces(sphere, run, 0)], sceneLayout(), plotConfig);
+    writeReadout(run, 0);
+  }
+
+  function moveTo(k) {
+    const moved = arrowsAt(run, k);
+    const along = (i) => moved.map((points) => points.map((point) => point[i]));
+    writeReadout(run, k);
+    return Plotly.restyle("sphere", { x: along(0), y: along(1), z: along(2) }, moved.map((_, i) => first + i));
+  }
+
+  function stop() {
+    window.clearInterval(timer);
+    timer = null;
+    play.textContent = "▶";
+    play.setAttribute("aria-label", "Play the flight");
+  }
+
+  function start() {
+    if (Number(slider.value) >= run.count - 1) slider.value = "0";
+    const stride = Math.max(1, Math.round(run.count / 300)); // a flight lasts some ten seconds
+    timer = window.setInterval(() => {
+      slider.value = String(Math.min(Number(slider.value) + stride, run.count - 1));
+      moveTo(Number(slider.value));
+      if (Number(slider.value) >= run.count - 1) stop();
+    }, 40);
+    play.textContent = "❚❚";
+    play.setAttribute("aria-label", "Pause the flight");
+  }
+
+  slider.addEventListener("input", () => moveTo(Number(slider.value)));
+  play.addEventListener("click", () => (timer === null ? start() : stop()));
+  select.addEventListener("change", () => { stop(); return showRun(Number(select.value)); });
+  select.value = "0";
+  document.getElementById("run-control").hidden = runs.length < 2;
+  await showRun(0);
+}

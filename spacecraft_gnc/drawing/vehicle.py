@@ -1,0 +1,56 @@
+"""What a vehicle draws of its flights: on the report's page, and for print."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
+
+from spacecraft_gnc.drawing.chart import Chart
+from spacecraft_gnc.drawing.table import Row
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.drawing.figures import Maker
+    from spacecraft_gnc.recording.bag import Bag
+
+
+class VehicleReport(Protocol):
+    """The part of the report's page that is the vehicle's own.
+
+    A run has the attributes name, times (n + 1,) [s], trajectory, telemetry (as `telemetry` returns
+    it), scenario (None: not known) and metrics.
+    """
+
+    @property
+    def rows(self) -> Sequence[Row]:
+        """Lines of the summary table."""
+
+    def telemetry(
+        self, flight: Any, scenario: Any, bag: Bag | None, namespace: str | None = None
+    ) -> Any:
+        """Return what a flight tells beside its arrays; ``bag``: that it was read from."""
+
+    def warnings(self, run: Any) -> Iterable[str]:
+        """Return what a reader should know before trusting the curves, one line each."""
+
+    def charts(self, runs: Sequence[Any], points: int) -> Iterable[Chart]:
+        """Return the diagrams; a run may spend so many points on a curve."""
+
+    def scene(self, runs: Sequence[Any], points: int) -> tuple[dict[str, Any], str]:
+        """Return what the 3-D view draws, and which states it steps through."""
+
+    def scene_script(self) -> str:
+        """Return the code of the view, with its function ``drawView(view)``."""
+
+
+class VehicleFigures(Protocol):
+    """Figures for print. Runs are as those of `VehicleReport`, without metrics."""
+
+    def flight(self, run: Any, *, title: str = "", error_scale: str = "log") -> dict[str, Maker]:
+        """Return what draws each figure of one flight, by name."""
+
+    def comparison(self, runs: Sequence[Any], *, error_scale: str = "log") -> dict[str, Maker]:
+        """Return what draws the figures of several flights over each other, by name."""
+
+    def animate(self, runs: Sequence[Any], path: Path, *, title: str = "") -> None:
+        """Write a moving picture of flights side by side."""

@@ -1,0 +1,40 @@
+"""A flight of a rigid body with all that is told of it, as its pictures and pages read it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from spacecraft_gnc.types import Array
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+    from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
+
+
+class Flown(Protocol):
+    """One run."""
+
+    @property
+    def name(self) -> str:
+        """How it is called."""
+
+    @property
+    def times(self) -> Array:
+        """(n + 1,) of the states [s]."""
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """What was flown."""
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What was recorded beside it."""
+
+    @property
+    def scenario(self) -> Scenario | None:
+        """What flew; None: not known."""
+
+    @property
+    def metrics(self) -> dict[str, Any]:
+        """Its summary in numbers."""

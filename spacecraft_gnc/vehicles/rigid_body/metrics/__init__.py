@@ -1,0 +1,1 @@
+"""Metrics of a flight: what its summary, its table and its JSON say."""

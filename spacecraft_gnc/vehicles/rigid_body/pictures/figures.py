@@ -1,0 +1,112 @@
+"""Publication figures of one flight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Draw, Maker, stacked
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+
+_SQUARE = (5.2, 5.6)
+_OVERVIEW = (11.0, 8.6)
+
+
+def flight_figures(
+    trajectory: Trajectory,
+    scenario: Scenario | None = None,
+    *,
+    title: str = "",
+    error_scale: str = "log",
+) -> Iterator[tuple[str, Figure]]:
+    """Draw the figures of one flight.
+
+    Parameters
+    ----------
+    trajectory
+        What was flown.
+    scenario
+        Gives the torque limit and the pointing zones.
+    title
+        Heading of the overview.
+    error_scale
+        ``log`` or ``linear``, for the attitude error.
+
+    Yields
+    ------
+    tuple of str and Figure
+        Names and figures of `flight_makers`.
+    """
+    makers = flight_makers(trajectory, scenario, title=title, error_scale=error_scale)
+    yield from ((name, make()) for name, make in makers.items())
+
+
+def flight_makers(
+    trajectory: Trajectory,
+    scenario: Scenario | None = None,
+    *,
+    title: str = "",
+    error_scale: str = "log",
+) -> dict[str, Maker]:
+    """Return what draws each figure of one flight; arguments as of `flight_figures`.
+
+    Returns
+    -------
+    dict
+        By name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``;
+        ``governor``, ``zones`` and ``solver`` where there is something to show).
+    """
+    limit = series.torque_limit(trajectory, scenario)
+    zones = scenario.controller.zones if scenario is not None else ()
+    draw: dict[str, Draw] = {
+        "error": lambda axes: panels.attitude_error(axes, trajectory, scale=error_scale),
+        "momentum": lambda axes: panels.momentum(axes, trajectory),
+        "torque": lambda axes: panels.torque_components(axes, trajectory),
+        "norm": lambda axes: panels.torque_norm(axes, trajectory, limit),
+        "sphere": lambda axes: panels.attitude_sphere(axes, trajectory, zones),
+        "alpha": lambda axes: panels.alpha(axes, trajectory),
+        "zones": lambda axes: panels.zone_margins(axes, trajectory, zones),
+        "iterations": lambda axes: panels.iterations(axes, trajectory),
+        "solve_time": lambda axes: panels.solve_time(axes, trajectory),
+    }
+    makers: dict[str, Maker] = {
+        "overview": lambda: _overview(draw, title),
+        "attitude_error": lambda: stacked(SINGLE, draw["error"]),
+        "momentum": lambda: stacked(SINGLE, draw["momentum"]),
+        "torque": lambda: stacked(DOUBLE, draw["torque"], draw["norm"]),
+        "sphere": lambda: stacked(_SQUARE, draw["sphere"]),
+    }
+    if series.is_governed(trajectory):
+        makers["governor"] = lambda: stacked(SINGLE, draw["alpha"])
+    if zones:
+        makers["zones"] = lambda: stacked(SINGLE, draw["zones"])
+    if np.any(trajectory.status >= 0):
+        makers["solver"] = lambda: stacked(DOUBLE, draw["iterations"], draw["solve_time"])
+    return makers
+
+
+def _overview(draw: Mapping[str, Draw], title: str) -> Figure:
+    with style.applied():
+        figure = Figure(_OVERVIEW, layout="constrained")
+        grid = figure.add_gridspec(3, 2, width_ratios=[1.12, 1.0])
+        cells = {
+            "error": grid[0, 0],
+            "momentum": grid[1, 0],
+            "torque": grid[2, 0],
+            "sphere": grid[:2, 1],
+            "norm": grid[2, 1],
+        }
+        for name, cell in cells.items():
+            draw[name](figure.add_subplot(cell))
+        if title:
+            figure.suptitle(title, fontsize=12, fontweight="bold")
+        return figure

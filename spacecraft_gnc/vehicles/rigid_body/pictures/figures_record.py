@@ -1,0 +1,162 @@
+"""Figures of what was recorded beside the motion, and of several flights over each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from spacecraft_gnc.drawing import representations as forms
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.axes import TIME_LABEL, legend_below
+from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Maker, stacked
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.pictures import record as panels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+    from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
+
+_BAND: Final = (6.3, 1.7)  # [inch]
+_TRIPLE: Final = (6.3, 7.4)  # [inch]
+
+
+def record_makers(
+    trajectory: Trajectory, telemetry: Telemetry, scenario: Scenario | None = None
+) -> dict[str, Maker]:
+    """Return what draws each figure of a recording.
+
+    Parameters
+    ----------
+    trajectory, telemetry
+        What was flown and recorded.
+    scenario
+        Gives tolerance and deadline.
+
+    Returns
+    -------
+    dict
+        By name: ``quaternion``, ``roll_pitch_yaw``, ``rotation_vector``, ``sources``,
+        ``invariants``; ``residual``, ``solve_times``, ``curvature``, ``radius`` and
+        ``governor_margin`` where there is something to show.
+    """
+    makers: dict[str, Maker] = {
+        form.name: partial(_drawn, SINGLE, panels.representation, trajectory, form)
+        for form in forms.REPRESENTATIONS
+    }
+    makers["sources"] = partial(_drawn, _BAND, panels.sources, {"": trajectory})
+    makers["invariants"] = lambda: stacked(
+        _TRIPLE,
+        lambda axes: panels.kinetic_energy(axes, trajectory, telemetry),
+        lambda axes: panels.inertial_momentum(axes, trajectory, telemetry),
+        lambda axes: panels.orthogonality(axes, trajectory, telemetry),
+    )
+    tolerance = scenario.controller.residual_tolerance if scenario is not None else None
+    times = {"solves": trajectory.solve_time}
+    deadline = series.solve_deadline(scenario)
+    optional: dict[str, tuple[Array, Maker]] = {
+        "residual": (
+            trajectory.residual,
+            partial(_drawn, SINGLE, panels.residual, trajectory, tolerance),
+        ),
+        "solve_times": (
+            trajectory.solve_time,
+            partial(_drawn, SINGLE, panels.solve_times, times, deadline),
+        ),
+        "curvature": (
+            telemetry.min_curvature,
+            partial(_drawn, SINGLE, panels.curvature, trajectory, telemetry),
+        ),
+        "radius": (
+            telemetry.closed_loop_radius,
+            partial(_drawn, SINGLE, panels.radius, trajectory, telemetry),
+        ),
+        "governor_margin": (
+            trajectory.governor_margin,
+            partial(_drawn, SINGLE, panels.governor_margin, trajectory),
+        ),
+    }
+    found = {name: make for name, (values, make) in optional.items() if np.isfinite(values).any()}
+    return makers | found
+
+
+def comparison_makers(
+    runs: Mapping[str, tuple[Trajectory, Scenario | None]], *, error_scale: str = "log"
+) -> dict[str, Maker]:
+    """Return what draws the figures of several flights over each other, by name.
+
+    Parameters
+    ----------
+    runs
+        Trajectory and scenario by name.
+    error_scale
+        ``log`` or ``linear``, for the attitude error.
+    """
+    flights = {name: trajectory for name, (trajectory, _) in runs.items()}
+    errors = {name: series.settling_error_deg(flight) for name, flight in flights.items()}
+    momenta = [series.momenta(trajectory) for trajectory in flights.values()]
+    unit = style.prefixed("N m s", *momenta)
+    norms = {
+        name: unit.factor * np.linalg.norm(series.momenta(trajectory), axis=1)
+        for name, trajectory in flights.items()
+    }
+    torque_unit = style.prefixed("N m", *(series.torque_norm(t) for t in flights.values()))
+    torques = {n: torque_unit.factor * series.torque_norm(t) for n, t in flights.items()}
+    deadlines = [series.solve_deadline(scenario) for _, scenario in runs.values()]
+    solve_times = {name: trajectory.solve_time for name, trajectory in flights.items()}
+    over = partial(_over_time, flights)
+    makers: dict[str, Maker] = {
+        "attitude_error": over(errors, "Attitude error", "angle [deg]", scale=error_scale),
+        "momentum": over(norms, "Angular momentum", f"|momentum| [{unit.label}]"),
+        "torque": over(torques, "Torque norm", f"|torque| [{torque_unit.label}]"),
+        "sources": partial(_drawn, DOUBLE, panels.sources, flights),
+    }
+    residuals = {name: trajectory.residual for name, trajectory in flights.items()}
+    if any(np.isfinite(values).any() for values in residuals.values()):
+        counts = {name: _iterations(trajectory) for name, trajectory in flights.items()}
+        makers["iterations"] = over(counts, "Solver iterations", "iterations [-]")
+        makers["residual"] = over(residuals, "Residual", "residual [-]", scale="log")
+        makers["solve_times"] = partial(
+            _drawn, SINGLE, panels.solve_times, solve_times, max(deadlines)
+        )
+    return makers
+
+
+def _iterations(trajectory: Trajectory) -> Array:
+    """Return (n,) iterations; NaN without a solve."""
+    return np.where(trajectory.status >= 0, trajectory.iterations, math.nan)
+
+
+def _over_time(
+    flights: Mapping[str, Trajectory],
+    values: Mapping[str, Array],
+    title: str,
+    label: str,
+    scale: str = "linear",
+) -> Maker:
+    """Return what draws one curve of each flight."""
+
+    def draw(axes: Axes) -> None:
+        for i, (name, trajectory) in enumerate(flights.items()):
+            times = series.state_times(trajectory)[: len(values[name])]
+            colour = style.RUN_COLOURS[i % len(style.RUN_COLOURS)]
+            dashes = style.COMPONENT_STYLES[i % len(style.COMPONENT_STYLES)]
+            axes.plot(times, values[name], color=colour, linestyle=dashes, label=name)
+        axes.set(title=title, xlabel=TIME_LABEL, ylabel=label)
+        axes.set_yscale(scale)
+        axes.margins(x=0.0)
+        legend_below(axes)
+
+    return partial(_drawn, SINGLE, draw)
+
+
+def _drawn(size: tuple[float, float], panel: Callable[..., None], *arguments: Any) -> Figure:
+    return stacked(size, lambda axes: panel(axes, *arguments))

@@ -1,0 +1,224 @@
+"""The flight in a bag: topics aligned by the control step in every message."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.audit.evidence import Progress
+from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.loop.trajectory import Trajectory
+from spacecraft_gnc.recording.bag import Bag
+from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
+from spacecraft_gnc.recording.steps import (
+    ACCEPTED_TARGET,
+    GOVERNOR_STATUS,
+    INVARIANTS,
+    REFERENCE,
+    SOLVER_STATUS,
+    STATE,
+    TORQUE,
+)
+from spacecraft_gnc.types import Array
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+
+_NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
+_TOPICS: Final = (
+    STATE, REFERENCE, ACCEPTED_TARGET, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS,
+)  # fmt: skip
+PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
+_GRID_TOLERANCE: Final = 1e-6  # [s] stamps are whole nanoseconds, the grid is k times the period
+
+
+class Torques(NamedTuple):
+    """Torque [N m] and source that acted in each control step."""
+
+    steps: NDArray[np.int64]
+    torque: Array
+    source: NDArray[np.int64]
+
+
+class Recorded(NamedTuple):
+    """A flight as a bag holds it."""
+
+    trajectory: Trajectory
+    missing: dict[str, tuple[int, ...]]
+    """Steps without a message, by topic."""
+    overridden: tuple[int, ...]
+    """Steps whose applied torque differs from the command."""
+
+
+def read_recorded(
+    bag: Bag, namespace: str | None, scenario: Scenario | None, progress: Progress | None = None
+) -> Recorded:
+    """Read the flight in a bag; a row that lacks a message holds NaN (status, source: -1).
+
+    The torque of a row is the one that the plant applied, as ``plant_invariants`` tells; where that
+    was not recorded it is the command. A flight whose last state was not recorded ends one step
+    earlier.
+
+    Raises
+    ------
+    RecordingError
+        If there is no flight in it.
+    """
+    columns = read_columns(bag, _TOPICS, namespace, progress, leave_out=PLANS)
+    torques = acted(columns)
+    n = whole_steps(bag, columns, torques)
+    missing, overridden = _missing(columns, torques), _overridden(columns)
+    period = scenario.period if scenario is not None else _period(columns[STATE])
+    targets = _targets(n, columns[ACCEPTED_TARGET], scenario)
+    if scenario is not None:
+        torques = torques._replace(source=scenario.method.current_sources(torques.source))
+    trajectory = _trajectory(n, columns, torques, targets, period)
+    return Recorded(trajectory, missing, overridden)
+
+
+def acted(columns: Mapping[str, Columns]) -> Torques:
+    """Return what the plant applied; where it did not tell, what was commanded."""
+    commands, applied = columns[TORQUE], columns[INVARIANTS]
+    told = applied.steps > 0  # an entry tells of the step that ended there
+    steps = np.concatenate([applied.steps[told] - 1, commands.steps])
+    torque = [applied.fields["applied_torque"][told]] if told.any() else []
+    source = [applied.fields["applied_source"][told]] if told.any() else []
+    if commands.steps.size:
+        torque.append(commands.fields["torque"])
+        source.append(commands.fields["source"])
+    if not steps.size:
+        return Torques(steps, np.empty((0, 3)), np.empty(0, dtype=np.int64))
+    acted, first = np.unique(steps, return_index=True)
+    return Torques(acted, np.concatenate(torque)[first], np.concatenate(source)[first])
+
+
+def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> int:
+    """Return the number of whole control steps: those with a state before and after them.
+
+    Raises
+    ------
+    RecordingError
+        If there is none, or a step number lies far beyond what was recorded.
+    """
+    states = columns[STATE].steps
+    count = 0
+    require_reach(bag, states, torques.steps)
+    if states.size and torques.steps.size:
+        count = int(min(torques.steps[-1] + 1, states[-1]))
+    if count < 1 or count not in states:
+        raise RecordingError(
+            f"{bag.path}: received {states.size} states and {torques.steps.size} torques; required "
+            "at least one whole control step; record a longer run"
+        )
+    return count
+
+
+def _missing(columns: Mapping[str, Columns], torques: Torques) -> dict[str, tuple[int, ...]]:
+    """Return the steps without a message, by topic; a topic never recorded is not listed."""
+    flown = int(torques.steps[-1]) + 1
+    missing = {
+        STATE: columns[STATE].missing(0, flown),
+        TORQUE: tuple(np.setdiff1d(np.arange(flown), torques.steps).tolist()),
+    }
+    for topic in (REFERENCE, SOLVER_STATUS):
+        if columns[topic].steps.size:
+            missing[topic] = columns[topic].missing(0, flown - 1)
+    return {topic: absent for topic, absent in missing.items() if absent}
+
+
+def _overridden(columns: Mapping[str, Columns]) -> tuple[int, ...]:
+    """Return the steps in which the plant applied another torque than commanded."""
+    commands, applied = columns[TORQUE], columns[INVARIANTS]
+    both, at, after = np.intersect1d(commands.steps, applied.steps - 1, return_indices=True)
+    if not both.size:
+        return ()
+    commanded, acted = commands.fields["torque"][at], applied.fields["applied_torque"][after]
+    return tuple(both[(commanded != acted).any(axis=1)].tolist())
+
+
+def _period(states: Columns) -> float:
+    """Return the control period [s] from the stamps of the first and the last state."""
+    (first, last), (start, end) = states.steps[[0, -1]], states.stamps[[0, -1]]
+    return round(float(end - start) / int(last - first), 9)
+
+
+def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
+    """Return (n, 3, 3) targets: the scenario's, then those that the governor took in flight."""
+    targets = np.full((n, 3, 3), math.nan)
+    if scenario is not None:
+        targets[:] = lie.exp(scenario.governor.target_rotation_vector)
+    for i, step in enumerate(taken.steps.tolist()):
+        targets[step:] = taken.fields["attitude"][i].reshape(3, 3)
+    return targets
+
+
+def _trajectory(
+    n: int, columns: Mapping[str, Columns], torques: Torques, targets: Array, period: float
+) -> Trajectory:
+    states, references, solves, decisions = (
+        columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
+    )
+    reference = _filled(n, references, "attitude", (9,)).reshape(n, 3, 3)
+    if not references.steps.size:  # a run without a governor regulates to the identity
+        reference = np.tile(np.eye(3), (n, 1, 1))
+    known = np.flatnonzero(np.isfinite(reference).all(axis=(1, 2)))
+    final = int(np.searchsorted(states.steps, n))
+    status = _integers(n, -1, solves.steps, solves.fields.get("status"))
+    return Trajectory(
+        period=period,
+        time=_times(n, states, period),
+        attitude=_filled(n, states, "attitude", (9,)).reshape(n, 3, 3),
+        momentum=_filled(n, states, "angular_momentum", (3,)),
+        torque=_placed(n, torques.steps, torques.torque),
+        reference=reference,
+        target=targets,
+        iterations=_integers(n, 0, solves.steps, solves.fields.get("iterations")),
+        residual=_filled(n, solves, "residual"),
+        cost=_filled(n, solves, "cost"),
+        solve_time=_filled(n, solves, "wall_solve_time"),
+        status=np.where(status == _NO_SOLVE, -1, status),
+        source=_integers(n, -1, torques.steps, torques.source),
+        alpha=_filled(n, decisions, "alpha"),
+        governor_margin=_filled(n, decisions, "margin"),
+        final_attitude=states.fields["attitude"][final].reshape(3, 3),
+        final_momentum=states.fields["angular_momentum"][final],
+        final_reference=reference[known[-1]] if known.size else np.full((3, 3), math.nan),
+    )
+
+
+def _times(n: int, states: Columns, period: float) -> Array:
+    """Return (n,) times of the steps: the grid, unless the stamps tell otherwise."""
+    grid = np.asarray(period * np.arange(n), dtype=np.float64)
+    stamps = _placed(n, states.steps, states.stamps)
+    recorded = np.isfinite(stamps)
+    if np.allclose(stamps[recorded], grid[recorded], rtol=0.0, atol=_GRID_TOLERANCE):
+        return grid
+    return np.asarray(np.where(recorded, stamps, grid))
+
+
+def _filled(n: int, columns: Columns, name: str, shape: tuple[int, ...] = ()) -> Array:
+    """Return (n, *shape) values of a field by step; NaN where a step has none."""
+    return _placed(n, columns.steps, columns.fields.get(name, np.empty((0, *shape))))
+
+
+def _placed(n: int, steps: NDArray[np.int64], values: Array) -> Array:
+    array = np.full((n, *values.shape[1:]), math.nan)
+    within = steps < n
+    array[steps[within]] = values[within]
+    return array
+
+
+def _integers(
+    n: int, absent: int, steps: NDArray[np.int64], values: NDArray[np.int64] | None
+) -> NDArray[np.int64]:
+    """Return (n,) integers by step; ``absent`` where a step has none."""
+    array = np.full(n, absent, dtype=np.int64)
+    if values is not None:
+        within = steps < n
+        array[steps[within]] = values[within]
+    return array

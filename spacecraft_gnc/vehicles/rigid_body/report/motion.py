@@ -1,0 +1,154 @@
+"""Diagrams of the motion: attitude, momentum, torque, pointing zones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from spacecraft_gnc.drawing import representations as forms
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.chart import (
+    HELD,
+    Chart,
+    Variant,
+    components,
+    held,
+    named,
+    one_curve_each,
+    over_time,
+    span,
+    times_of,
+)
+from spacecraft_gnc.drawing.traces import (
+    DASHES,
+    Curve,
+    Trace,
+    axis,
+    limit,
+    log_axis,
+    run_line,
+    trace,
+)
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.flown import Flown
+
+
+def motion_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
+    """Yield the diagrams of what the spacecraft did."""
+    yield _attitude_error(runs, points)
+    yield _attitude(runs, points)
+    yield _momentum(runs, points)
+    yield _torque(runs, points)
+    yield _torque_norm(runs, points)
+    margins = list(_zone_margins(runs, points))
+    if margins:
+        border = limit(span(runs), (0.0, 0.0), "border of the zone")
+        yield Chart(
+            "zones",
+            "Pointing-zone margin",
+            "Angle left to the border of each zone; negative: violated.",
+            over_time(runs, [*margins, border], axis("angle to the border [deg]")),
+        )
+
+
+def _attitude_error(runs: Sequence[Flown], points: int) -> Chart:
+    def settling(run: Flown) -> Array:
+        return series.settling_error_deg(run.trajectory)
+
+    traces = list(one_curve_each(runs, points, settling, "angle to the target"))
+    for i, run in enumerate(runs):
+        if series.targets(run.trajectory) is not None:
+            error = series.attitude_error_deg(run.trajectory)
+            text = named(runs, run, "to the reference")
+            line = {**run_line(i), "dash": "dot", "width": 1.1}
+            traces.append(trace(Curve(times_of(run, error), error, text, line), points))
+    return Chart(
+        "error",
+        "Attitude error",
+        "Angle from the attitude to the target (to the reference where no governor shapes it).",
+        over_time(runs, traces, log_axis("angle [deg]")),
+        scale="yaxis",
+    )
+
+
+def _attitude(runs: Sequence[Flown], points: int) -> Chart:
+    variants = []
+    for form in forms.REPRESENTATIONS:
+        drawn = components(
+            runs,
+            points,
+            partial(_attitude_values, form),
+            form.components,
+            form.title.removeprefix("Attitude as ").split(" x,")[0],
+            style.Unit(form.unit, 1.0),
+        )
+        note = form.convention + (_gimbal_lock(runs) if form is forms.ROLL_PITCH_YAW else "")
+        variants.append(Variant(form.name, form.title.removeprefix("Attitude as "), note, drawn))
+    return Chart("attitude", "Attitude", variants=tuple(variants), tall=len(runs) > 1)
+
+
+def _attitude_values(form: forms.Representation, run: Flown) -> Array:
+    return forms.values(form, series.attitudes(run.trajectory))
+
+
+def _gimbal_lock(runs: Sequence[Flown]) -> str:
+    """Return how many states lie near gimbal lock."""
+    counts = {
+        run.name: int(np.count_nonzero(forms.near_gimbal_lock(series.attitudes(run.trajectory))))
+        for run in runs
+    }
+    near = [f"{name}: {count}" for name, count in counts.items() if count]
+    where = f"within {forms.GIMBAL_LOCK_DEG:g} deg of gimbal lock"
+    return f" States {where}: {', '.join(near) or 'none'}."
+
+
+def _momentum(runs: Sequence[Flown], points: int) -> Chart:
+    unit = style.prefixed("N m s", *(series.momenta(run.trajectory) for run in runs))
+    drawn = components(
+        runs, points, lambda run: series.momenta(run.trajectory), "xyz", "momentum", unit
+    )
+    return Chart(
+        "momentum", "Angular momentum", "Components in the body frame.", drawn, tall=len(runs) > 1
+    )
+
+
+def _torque(runs: Sequence[Flown], points: int) -> Chart:
+    unit = style.prefixed("N m", *(run.trajectory.torque for run in runs))
+    drawn = components(
+        runs, points, lambda run: held(run.trajectory.torque), "xyz", "torque", unit, **HELD
+    )
+    note = "Components in the body frame, held over each control period."
+    return Chart("torque", "Torque", note, drawn, tall=len(runs) > 1)
+
+
+def _torque_norm(runs: Sequence[Flown], points: int) -> Chart:
+    limits = [series.torque_limit(run.trajectory, run.scenario) for run in runs]
+    norms = [series.torque_norm(run.trajectory) for run in runs]
+    unit = style.prefixed("N m", *norms, np.array(limits))
+    traces = list(
+        one_curve_each(
+            runs,
+            points,
+            lambda run: held(unit.factor * series.torque_norm(run.trajectory)),
+            "|u|",
+            **HELD,
+        )
+    )
+    for value in sorted(set(limits) - {0.0}):
+        scaled = unit.factor * value
+        traces.append(limit(span(runs), (scaled, scaled), f"limit {scaled:g} {unit.label}"))
+    y = axis(f"|torque| [{unit.label}]", rangemode="tozero")
+    return Chart("torque_norm", "Torque norm and limit", "", over_time(runs, traces, y))
+
+
+def _zone_margins(runs: Sequence[Flown], points: int) -> Iterator[Trace]:
+    for i, run in enumerate(runs):
+        zones = run.scenario.controller.zones if run.scenario is not None else ()
+        for j, zone in enumerate(zones):
+            margin = series.zone_margin_deg(run.trajectory, zone)
+            text = named(runs, run, f"{zone.name} ({zone.kind})")
+            line = {**run_line(j if len(runs) == 1 else i), "dash": DASHES[j % len(DASHES)]}
+            yield trace(Curve(times_of(run, margin), margin, text, line), points)

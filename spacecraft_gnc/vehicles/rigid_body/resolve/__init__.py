@@ -1,0 +1,1 @@
+"""Every recorded step solved again: numbers, prices and a figure."""

@@ -1,0 +1,175 @@
+"""Every recorded step solved again, by the same controller or by another one.
+
+The controller is given the recorded state and reference of each step, so it never flies away from
+the recording: differences of the torques are differences of the controllers alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.loop.closed_loop import FlightLog
+from spacecraft_gnc.loop.protocols import Controller, GovernorDecision, Reference, State
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.resolve.prices import Price, Pricing
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+
+Progress = Callable[[int, int], None]
+
+
+class Resolved(NamedTuple):
+    """A recorded flight beside the answers of another controller; row i is step ``steps[i]``."""
+
+    steps: NDArray[np.int64]
+    """(m,) control steps compared; those without a recorded state, reference or torque are not."""
+    recorded: Trajectory
+    """(m,) rows as they flew."""
+    replayed: Trajectory
+    """The same states and references with the torques and solves of the other controller."""
+    prices: tuple[tuple[Price, Price], ...]
+    """(m) what each recorded plan and each new one costs by the recorded problem."""
+
+    @property
+    def cost_difference(self) -> Array:
+        """(m,) cost of the new plan minus the recorded one, both by the recorded problem.
+
+        NaN where one of them has no plan of a converged solve, or the horizons differ.
+        """
+        flown = np.where(series.unconverged(self.recorded), math.nan, self.recorded.cost)
+        return np.array([new.cost for _, new in self.prices]) - flown
+
+    @property
+    def plain_cost_difference(self) -> Array:
+        """(m,) the same without penalties; NaN also where both solve the same problem."""
+        return np.array([new.plain - old.plain for old, new in self.prices])
+
+    @property
+    def torque_difference(self) -> Array:
+        """(m,) norm of the difference of the torques [N m]."""
+        return np.asarray(np.linalg.norm(self.replayed.torque - self.recorded.torque, axis=1))
+
+    @property
+    def first_difference(self) -> int | None:
+        """First step whose torques are not equal bit for bit; None where all are."""
+        differ = (self.replayed.torque != self.recorded.torque).any(axis=1)
+        return int(self.steps[np.argmax(differ)]) if differ.any() else None
+
+
+def resolve(
+    flight: Trajectory,
+    recorded: Scenario,
+    revised: Scenario,
+    *,
+    steps: tuple[int, int] | None = None,
+    cold: bool = False,
+    progress: Progress | None = None,
+) -> Resolved:
+    """Solve every recorded step again.
+
+    Parameters
+    ----------
+    flight
+        What was flown.
+    recorded
+        Scenario that flew it; prices the new plans.
+    revised
+        Scenario of the other controller.
+    steps
+        First step and the one after the last, as for a slice; by default all.
+    cold
+        Forget the past before every step. Otherwise the controller keeps its history along the
+        flight, as it would have in it: warm start, last optimum, last plan. At the first of
+        ``steps`` it has none.
+    progress
+        Called with (steps done, steps in all).
+
+    Raises
+    ------
+    ParameterError
+        If the periods of the two differ, or no step can be compared.
+    """
+    controller = revised.build_controller()
+    _require_period(controller, flight)
+    chosen = _complete(flight, *(steps or (0, flight.n_steps)))
+    controller.warm_up()
+    controller.reset()
+    pricing = Pricing(recorded, revised)
+    log, prices = FlightLog(len(chosen), flight.period), []
+    for i, k in enumerate(chosen):
+        if cold:
+            controller.reset()
+        state, decision = _recorded(flight, int(k))
+        command = controller.command(state, decision.reference)
+        log.add(i, state, flight.target[k], decision, command)
+        as_flown = pricing.recorded(state, decision.reference, float(flight.cost[k]))
+        prices.append((as_flown, pricing.new(command.solution, state)))
+        if progress is not None:
+            progress(i + 1, len(chosen))
+    excerpt = _excerpt(flight, chosen)
+    answers = log.finish(state, decision.reference)
+    names = ("torque", "residual", "cost", "solve_time", "iterations", "status", "source")
+    replayed = replace(excerpt, **{name: getattr(answers, name) for name in names})
+    return Resolved(chosen, excerpt, replayed, tuple(prices))
+
+
+def _require_period(controller: Controller, flight: Trajectory) -> None:
+    if not math.isclose(controller.period, flight.period, rel_tol=1e-9):
+        raise ParameterError(
+            f"nmpc_controller.time_step: received {controller.period:g} s; required the period of "
+            f"the flight, {flight.period:g} s, at which its states were recorded; leave it out"
+        )
+
+
+def _complete(flight: Trajectory, first: int, end: int) -> NDArray[np.int64]:
+    """Return the steps from ``first`` to before ``end`` whose messages were all recorded."""
+    n = flight.n_steps
+    if not 0 <= first < end <= n:
+        raise ParameterError(
+            f"--steps: received {first}:{end}; required A:B with 0 <= A < B <= {n}, the number of "
+            f"steps of the flight; give for example 0:{n}"
+        )
+    rows = (flight.attitude, flight.reference, flight.momentum, flight.torque)
+    numbers = np.hstack([array[first:end].reshape(end - first, -1) for array in rows])
+    steps = first + np.flatnonzero(np.isfinite(numbers).all(axis=1))
+    if not steps.size:
+        raise ParameterError(
+            f"--steps: received {first}:{end}, in which every step lacks a state, a reference or a "
+            "torque; required at least one complete step; choose others"
+        )
+    return steps
+
+
+def _recorded(flight: Trajectory, k: int) -> tuple[State, GovernorDecision]:
+    """Return what the controller was given at step ``k``; no governor of ours feeds forward."""
+    state = State(k, flight.attitude[k], flight.momentum[k])
+    reference = Reference(flight.reference[k], np.zeros(3), np.zeros(3))
+    alpha, margin = float(flight.alpha[k]), float(flight.governor_margin[k])
+    return state, GovernorDecision(reference, alpha, True, margin, "", 0)
+
+
+def _excerpt(flight: Trajectory, steps: NDArray[np.int64]) -> Trajectory:
+    """Return the rows of ``steps``; what follows the last of them is its end."""
+    n, after = flight.n_steps, int(steps[-1]) + 1
+    rows = {
+        item.name: getattr(flight, item.name)[steps]
+        for item in fields(flight)
+        if item.name != "period" and not item.name.startswith("final_")
+    }
+    ends = {}
+    if after < n:
+        ends = {f"final_{name}": getattr(flight, name)[after] for name in _STATES}
+    return replace(flight, **rows, **ends)
+
+
+_STATES = ("attitude", "momentum", "reference")
