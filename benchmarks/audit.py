@@ -16,29 +16,33 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
-from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Plant, Source
-from spacecraft_gnc.nodes._status import GovernorStatusEncoder, SolverStatusEncoder
+from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Plant, Source, State
 from spacecraft_gnc.recording.writer import BagWriter
-from spacecraft_gnc.ros import convert, topics
 from spacecraft_gnc.ros.bag_topics import announce
 from spacecraft_gnc.scenario import Scenario, load
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
+from spacecraft_gnc.signals.message import period_ns, stamp_of
 from spacecraft_gnc.types import Vector3
+from spacecraft_gnc.vehicles.rigid_body.outputs import Outputs
+from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS, STATE, TORQUE
 
 CASE = Path(__file__).parents[1] / "config" / "gupta2015_case1.yaml"
 RECORDED = (
-    topics.STATE,
-    topics.INVARIANTS,
-    topics.REFERENCE,
-    topics.GOVERNOR_STATUS,
-    topics.TORQUE,
-    topics.SOLVER_STATUS,
-    topics.ACCEPTED_TARGET,  # none is taken in flight, but without the topic nobody can tell
+    STATE,
+    INVARIANTS,
+    REFERENCE,
+    GOVERNOR_STATUS,
+    TORQUE,
+    SOLVER_STATUS,
+    ACCEPTED_TARGET,  # none is taken in flight, but without the topic nobody can tell
 )
 MIB = 1024.0  # KiB
 
@@ -48,34 +52,29 @@ class Recording:
 
     def __init__(self, bag: BagWriter, scenario: Scenario) -> None:
         self._bag = bag
-        self._period_ns = convert.period_ns(scenario.period)
-        self._governor = GovernorStatusEncoder()
-        self._solver = SolverStatusEncoder(scenario.controller.method, scenario.controller.horizon)
-        for topic in RECORDED:
-            announce(bag, f"/{topic.name}", topic.type, [topic.qos], gapless=True)
+        self._period_ns = period_ns(scenario.period)
+        self._outputs = Outputs(scenario)
+        for signal in RECORDED:
+            announce(bag, f"/{signal}", signal.type, [signal.qos], gapless=True)
 
-    def _write(self, messages: Mapping[str, bytes], stamp: convert.Stamp) -> None:
-        log_time = stamp[0] * 1_000_000_000 + stamp[1]
-        for topic, data in messages.items():
-            self._bag.write(f"/{topic}", log_time, log_time, data)
+    def _write(self, step: int, told: Iterable[tuple[Signal, Any]]) -> None:
+        seconds, nanoseconds = stamp = stamp_of(step, self._period_ns)
+        log_time = seconds * 1_000_000_000 + nanoseconds
+        for signal, value in told:
+            if signal in RECORDED:
+                data = signal.encode(stamp, step, value)
+                self._bag.write(f"/{signal}", log_time, log_time, data)
 
     def state(self, plant: Plant, applied: tuple[Vector3, Source]) -> None:
         """Record what the plant publishes."""
-        stamp, state = convert.stamp_of(plant.state.step, self._period_ns), plant.state
-        told = convert.encode_invariants(stamp, state.step, plant.invariants(), applied)
-        said = convert.encode_state(stamp, state, plant.angular_velocity())
-        self._write({topics.STATE.name: said, topics.INVARIANTS.name: told}, stamp)
+        self._write(plant.state.step, plant.outputs(applied))
 
-    def answers(self, step: int, decision: GovernorDecision, command: Command) -> None:
+    def answers(self, state: State, decision: GovernorDecision, command: Command) -> None:
         """Record what governor and controller publish."""
-        stamp = convert.stamp_of(step, self._period_ns)
-        messages = {
-            topics.REFERENCE.name: convert.encode_reference(stamp, step, decision.reference),
-            topics.GOVERNOR_STATUS.name: self._governor.encode(stamp, step, decision),
-            topics.TORQUE.name: convert.encode_torque(stamp, step, command),
-            topics.SOLVER_STATUS.name: self._solver.encode(stamp, step, command, (1e-4, np.nan)),
-        }
-        self._write(messages, stamp)
+        self._write(state.step, self._outputs.governor(decision))
+        wall = (1e-4, np.nan)
+        told = self._outputs.controller(state, decision.reference, command, wall)
+        self._write(state.step, told)
 
 
 def make_bag(folder: Path, file: Path, steps: int) -> Path:
@@ -90,12 +89,12 @@ def make_bag(folder: Path, file: Path, steps: int) -> Path:
         bag.attach("scenario.yaml", "application/yaml", scenario.to_yaml().encode())
         recording = Recording(bag, scenario)
         applied = (np.zeros(3), Source.ZERO)
-        for step in range(steps):
+        for _ in range(steps):
             state = loop.plant.state
             recording.state(loop.plant, applied)
             decision = loop.governor.decide(state)
             command = loop.controller.command(state, decision.reference)
-            recording.answers(step, decision, command)
+            recording.answers(state, decision, command)
             applied = (command.torque, command.source)
             loop.plant.step(command.torque)
         recording.state(loop.plant, applied)

@@ -158,10 +158,10 @@ def _never_published(plan: LaunchPlan, outcome: Outcome) -> list[str]:
     """Topics beside those of the graph that were to be recorded, and of which nothing came."""
     if not outcome.bags:
         return []
-    from spacecraft_gnc.ros.topics import foreign
+    from spacecraft_gnc.ros.graph_of import foreign_topics
 
     counts = [read_counts(Path(bag)) or {} for bag in outcome.bags]
-    names = [f"/{name.strip('/')}" for name in foreign(plan.scenario.recorder.topics)]
+    names = [f"/{name.strip('/')}" for name in foreign_topics(plan.scenario)]
     return [name for name in names if not any(count.get(name) for count in counts)]
 
 

@@ -6,9 +6,11 @@ components; torque and angular momentum are in the body frame.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from spacecraft_gnc.signals.signal import Signal
 from spacecraft_gnc.types import GovernorDecision, Invariants, Matrix3, Reference, State, Vector3
 
 if TYPE_CHECKING:  # a governor or a recorder needs no solver, whose kernels take long to import
@@ -101,6 +103,16 @@ class Plant(Protocol):
 
     def step(self, torque: Vector3) -> State:
         """Hold ``torque`` (3,) [N m] for one control period and return the new state."""
+
+    @property
+    def idle_control(self) -> Vector3:
+        """Control where no command came."""
+
+    def outputs(self, applied: tuple[Vector3, Source]) -> Sequence[tuple[Signal, Any]]:
+        """Return what a node publishes at the start of the current step, the state first.
+
+        ``applied``: control and its source over the step that ended now.
+        """
 
     def invariants(self) -> Invariants:
         """Invariants of the current state."""

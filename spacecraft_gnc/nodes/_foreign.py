@@ -13,7 +13,7 @@ from spacecraft_gnc.ros.endpoints import (
     matching,
     message_type,
 )
-from spacecraft_gnc.ros.topics import RECORD, Topic
+from spacecraft_gnc.signals.qos import RECORD
 
 _LOOK: Final = 0.1  # [s] wall between two looks at the graph while a topic has no publisher
 
@@ -28,7 +28,8 @@ class ForeignTopics:
     names
         Relative or absolute.
     on_found
-        Called once for each topic, with the topic and its publishers; may raise RecordingError.
+        Called once for each topic, with its name, message class, profile to ask for and
+        publishers; may raise RecordingError.
 
     Raises
     ------
@@ -37,7 +38,10 @@ class ForeignTopics:
     """
 
     def __init__(
-        self, node: GncNode, names: Iterable[str], on_found: Callable[[Topic, list[Any]], None]
+        self,
+        node: GncNode,
+        names: Iterable[str],
+        on_found: Callable[[str, Any, Any, list[Any]], None],
     ) -> None:
         self._node = node
         self._on_found = on_found
@@ -69,7 +73,7 @@ class ForeignTopics:
         installed = _installed(name, types[0])
         qos = matching([info.qos_profile for info in publishers])
         qos.depth = RECORD.depth
-        self._on_found(Topic(name, installed, (), (), qos), publishers)
+        self._on_found(name, installed, qos, publishers)
         return True
 
 

@@ -1,4 +1,4 @@
-"""What all nodes of the graph share: life cycle, parameters, endpoints, roll call, refusals."""
+"""What all nodes of the graph share: life cycle, parameters, endpoints, readiness, refusals."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any, ClassVar
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
@@ -17,21 +17,25 @@ from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
-from std_msgs.msg import String
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
 from spacecraft_gnc.nodes._readiness import Readiness
-from spacecraft_gnc.ros.cdr import encode
-from spacecraft_gnc.ros.convert import Stamp
+from spacecraft_gnc.ros.endpoints import message_type
+from spacecraft_gnc.ros.graph_of import members_of
 from spacecraft_gnc.ros.parameters import load_scenario
-from spacecraft_gnc.ros.topics import DIAGNOSTICS, PLANT, READY, RECORDER, Topic
+from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.graph import DIAGNOSTICS, READY, RECORDER
+from spacecraft_gnc.signals.members import Members, Place
+from spacecraft_gnc.signals.message import Stamp
+from spacecraft_gnc.signals.qos import QosProfile
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
 _MOST_REPEATS = 20  # of a state that a restarted node waits through for its peers
 _SETTLING = 1.0  # [s] wall time from when a restarted node has found its peers
-_LAST_WORDS = Duration(seconds=1)  # wall time granted to readers that have not acknowledged
+_ACKNOWLEDGED_WITHIN = Duration(seconds=1)  # wall time granted to slow readers
 
 
 class GncNode(LifecycleNode):
@@ -45,6 +49,10 @@ class GncNode(LifecycleNode):
     """Section of the scenario, and the node's default name."""
 
     scenario: Scenario
+    members: Members
+    """Nodes of the graph."""
+    place: Place
+    """Where this one stands in it."""
 
     def __init__(self) -> None:
         super().__init__(self.ROLE, parameter_overrides=[Parameter("use_sim_time", value=True)])
@@ -113,7 +121,7 @@ class GncNode(LifecycleNode):
         return self._attempt(self._configure)
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Start, and answer the roll call as soon as every endpoint is matched."""
+        """Start, and announce the node as soon as every endpoint is matched."""
         return self._attempt(self._activate)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -142,8 +150,9 @@ class GncNode(LifecycleNode):
     def _build_and_open(self) -> None:
         self.scenario = load_scenario(self, self.ROLE)
         self.refused = 0
-        present = {PLANT, *self.scenario.plant.peers}
-        self._readiness = Readiness(present, self.scenario.recorder.topics)
+        self.members = members_of(self.scenario)
+        self.place = self.members.place(self.get_namespace(), self.ROLE)
+        self._readiness = Readiness()
         self.build(self.scenario)
         if self.ROLE in READY.publishers:
             self._ready = self.advertise(READY)
@@ -160,7 +169,7 @@ class GncNode(LifecycleNode):
         except BaseException:
             self.active = False
             raise
-        self._call_roll()
+        self._check_ready()
 
     def _deactivate(self) -> None:
         self.active = False
@@ -173,7 +182,7 @@ class GncNode(LifecycleNode):
         if self.active:
             self._deactivate()
         for publisher in self._open_publishers:
-            publisher.wait_for_all_acked(_LAST_WORDS)
+            publisher.wait_for_all_acked(_ACKNOWLEDGED_WITHIN)
         self._close()
 
     def _close(self) -> None:
@@ -199,40 +208,68 @@ class GncNode(LifecycleNode):
 
     # Endpoints.
 
-    def advertise(self, topic: Topic) -> Publisher:
-        """Publish a topic of the graph; the endpoint lives until clean-up."""
-        callbacks = PublisherEventCallbacks(matched=self._on_match)
+    def advertise(self, signal: Signal, agent: str | None = None) -> Publisher:
+        """Publish a signal, of this node's agent or another; the endpoint lives until clean-up."""
+        place = self.place if agent is None else self.place.of_agent(agent)
         publisher = self.create_publisher(
-            topic.type, topic.name, topic.qos, event_callbacks=callbacks
+            message_type(signal.type),
+            place.topic(signal),
+            ros_qos(signal.qos),
+            event_callbacks=PublisherEventCallbacks(matched=self._on_match),
         )
         self.on_close(self.destroy_publisher, publisher)
         self._open_publishers.append(publisher)
-        if self._readiness is not None:
-            self._readiness.expect_subscribers(topic, publisher)
+        count = self.members.subscribers(signal, place.agent)
+        self._expect(place, signal, count, publisher.get_subscription_count)
         return publisher
 
     def listen(
         self,
-        topic: Topic,
+        signal: Signal,
         callback: Callable[..., None],
-        qos: Any = None,
+        agent: str | None = None,
+        *,
+        qos: QosProfile | None = None,
         watch: SequenceWatch | None = None,
     ) -> Subscription:
-        """Receive the serialized messages of a topic: ``callback(data)``.
+        """Receive the serialized messages of a signal: ``callback(data)``.
 
         With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``.
         """
+        place = self.place if agent is None else self.place.of_agent(agent)
+        subscription = self.subscribe(
+            place.topic(signal),
+            message_type(signal.type),
+            ros_qos(qos or signal.qos),
+            callback,
+            watch,
+        )
+        count = self.members.publishers(signal, place.agent)
+        self._expect(place, signal, count, subscription.get_publisher_count)
+        return subscription
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: Any,
+        qos: Any,
+        callback: Callable[..., None],
+        watch: SequenceWatch | None = None,
+    ) -> Subscription:
+        """Receive the serialized messages of any topic, as `listen` does."""
         callbacks = SubscriptionEventCallbacks(matched=self._on_match)
         if watch is not None:
             callback = with_info(callback)
             callbacks.matched = watch.before(self._on_match)
         subscription = self.create_subscription(
-            topic.type, topic.name, callback, qos or topic.qos, event_callbacks=callbacks, raw=True
+            kind, topic, callback, qos, event_callbacks=callbacks, raw=True
         )
         self.on_close(self.destroy_subscription, subscription)
-        if self._readiness is not None:
-            self._readiness.expect_publishers(topic, subscription)
         return subscription
+
+    def _expect(self, place: Place, signal: Signal, count: int, current: Callable[[], int]) -> None:
+        if self._readiness is not None:
+            self._readiness.expect(place.within_graph(signal), count, current)
 
     def every(self, wall_period: float, callback: Callable[[], None]) -> Timer:
         """Call back every ``wall_period`` seconds of wall time."""
@@ -247,17 +284,17 @@ class GncNode(LifecycleNode):
         """Call ``give_back(*arguments)`` on clean-up, the latest first."""
         self._resources.callback(give_back, *arguments)
 
-    # Roll call.
+    # Readiness.
 
     def _on_match(self, _: Any) -> None:
-        self._call_roll()
+        self._check_ready()
 
-    def _call_roll(self) -> None:
+    def _check_ready(self) -> None:
         if not self.active or self._called or self.missing():
             return
         self._called = True
         if self.ROLE in READY.publishers:
-            self._ready.publish(encode(String(data=self.ROLE)))
+            self._ready.publish(READY.encode((0, 0), 0, [self.place.node(self.ROLE)]))
         self.on_everyone_ready()
 
     def missing(self) -> tuple[str, ...]:
@@ -266,13 +303,13 @@ class GncNode(LifecycleNode):
 
     # Trouble.
 
-    def refuse(self, topic: Topic, reason: str) -> None:
+    def refuse(self, topic: object, reason: str) -> None:
         """Count a rejected message; tell about it once per second at most."""
         self.refused += 1
         now = time.monotonic()
         if now - self._last_report >= _REPORT_PERIOD:
             self._last_report = now
-            text = f"{topic.name}: {reason} (rejected so far: {self.refused})"
+            text = f"{topic}: {reason} (rejected so far: {self.refused})"
             self.get_logger().warning(text)
             self.diagnose(DiagnosticStatus.WARN, text, {"rejected_messages": self.refused})
 
@@ -286,14 +323,17 @@ class GncNode(LifecycleNode):
         self, level: bytes, text: str, values: dict[str, Any], stamp: Stamp | None = None
     ) -> bytes:
         """Serialize a diagnostic of this node."""
-        entries = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
-        status = DiagnosticStatus(level=level, name=self.ROLE, message=text, values=entries)
-        message = DiagnosticArray(status=[status])
+        entries = [{"key": key, "value": str(value)} for key, value in values.items()]
+        status = {
+            "level": ord(level),
+            "name": self.place.within_graph(self.ROLE),
+            "message": text,
+            "values": entries,
+        }
         if stamp is None:
-            message.header.stamp = self.get_clock().now().to_msg()
-        else:
-            message.header.stamp.sec, message.header.stamp.nanosec = stamp
-        return encode(message)
+            now = self.get_clock().now().to_msg()
+            stamp = now.sec, now.nanosec
+        return DIAGNOSTICS.encode(stamp, 0, [[status]])
 
     def fail(self, error: Exception) -> None:
         """End the node because of ``error``: the runner reports it."""

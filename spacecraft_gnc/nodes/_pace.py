@@ -1,39 +1,47 @@
-"""When the plant steps: in lockstep with the controller, or on wall time.
+"""When the plant steps: in lockstep with the controllers, or on wall time.
 
-Both paces decide from numbers handed in (steps, torques, wall time), touch neither ROS nor a clock,
-and are therefore tested without either.
+Both paces decide from numbers handed in (steps, commands, wall time), touch neither ROS nor a
+clock, and are therefore tested without either. A step waits for the command of each agent.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Protocol
-
-import numpy as np
+from typing import Any, NamedTuple, Protocol
 
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.types import Vector3
 
 _RESEND_PERIOD = 0.25  # [s] wall: rclpy follows /clock best effort, so a tick can be lost
 
 
-class Vehicle(Protocol):
+class Applied(NamedTuple):
+    """What acts on one agent over a step."""
+
+    control: Any
+    source: Source
+
+
+class Vehicles(Protocol):
     """What a pace drives."""
 
     step: int
-    """Control step whose state was published last."""
+    """Control step whose states were published last."""
     finished: bool
     """Every step was flown, or none more can be."""
 
     def begin(self) -> None:
-        """Publish the initial state."""
+        """Publish the initial states."""
 
-    def advance(self, torque: Vector3, source: Source) -> None:
-        """Apply a torque over one control period and publish the new state."""
+    def idle(self, agent: str) -> Any:
+        """Return the control of an agent without a command."""
+
+    def advance(self, applied: Mapping[str, Applied]) -> None:
+        """Apply controls over one control period and publish the new states."""
 
     def repeat(self) -> None:
-        """Publish the same bytes of the current state and clock again."""
+        """Publish the same bytes of the current states and clock again."""
 
     def event(self, text: str) -> None:
         """Tell people about something unwanted."""
@@ -44,158 +52,175 @@ class Tally:
     """What the wall clock saw."""
 
     latency: float = math.nan
-    """State to torque, last step [s]."""
+    """States to the last of their commands, last step [s]."""
     slack: float = math.nan
-    """Deadline minus arrival of the last torque [s]; NaN without a deadline."""
+    """Deadline minus arrival of the last command [s]; NaN without a deadline."""
     missed: int = 0
-    """Steps whose torque came too late or never."""
+    """Steps of which a command came too late or never."""
     held: int = 0
-    """Steps over which an earlier or zero torque was applied instead."""
+    """Steps over which an earlier or idle control was applied instead."""
 
 
 class Lockstep:
-    """Step on when the torque of the current step is here, and only then.
+    """Step on when the commands of the current step are here, and only then.
 
     Parameters
     ----------
-    vehicle : Vehicle
+    vehicles : Vehicles
+    agents : collection of str
+        Whose commands a step waits for.
     command_timeout : float
-        Wall time after which a missing torque is replaced by zero [s].
+        Wall time after which a missing command is replaced by the idle control [s].
     window : int
         Steps that the plant may be ahead of the recorder; 0: there is none to wait for.
     """
 
-    def __init__(self, vehicle: Vehicle, command_timeout: float, window: int) -> None:
-        self._vehicle = vehicle
+    def __init__(
+        self, vehicles: Vehicles, agents: Collection[str], command_timeout: float, window: int
+    ) -> None:
+        self._vehicles = vehicles
+        self._agents = tuple(agents)
         self._command_timeout = command_timeout
         self._window = window
         self._recorded = 0
-        self._pending: tuple[Vector3, Source] | None = None
+        self._commands: dict[str, Applied] = {}
         self._published = self._sent = 0.0
         self.tally = Tally()
 
     def begin(self, now: float) -> None:
         """Publish step 0 at wall time ``now`` [s]."""
         self._published = self._sent = now
-        self._vehicle.begin()
+        self._vehicles.begin()
 
-    def torque(self, step: int, torque: Vector3, source: Source, now: float) -> str | None:
-        """Take a torque; return why it is refused, or None."""
-        vehicle = self._vehicle
-        if step != vehicle.step or self._pending is not None:
-            return f"torque of step {step} while step {vehicle.step} is due; required that step"
+    def command(self, agent: str, step: int, applied: Applied, now: float) -> str | None:
+        """Take an agent's command; return why it is refused, or None."""
+        current = self._vehicles.step
+        if step != current or agent in self._commands:
+            return f"command of step {step} while step {current} is due; required that step"
+        self._commands[agent] = applied
+        if len(self._commands) < len(self._agents):
+            return None
         self.tally.latency = now - self._published
-        if self._window and vehicle.step - self._recorded >= self._window:
-            self._pending = (torque, source)
+        if self._window and current - self._recorded >= self._window:
             self._published = now  # from here on the recorder is the one waited for
         else:
-            self._advance(torque, source, now)
+            self._advance(now)
         return None
 
     def recorded(self, step: int, now: float) -> None:
         """Take note that the recorder has come to ``step``."""
         self._recorded = step
-        if self._pending is not None and self._vehicle.step - step < self._window:
-            self._release(now)
+        if self._is_complete and self._vehicles.step - step < self._window:
+            self._advance(now)
 
     def tick(self, now: float) -> None:
         """Look at the wall clock: repeat after a stall, fall back after the time-out."""
-        if self._vehicle.finished:
+        if self._vehicles.finished:
             return
         waited = now - self._published
         if waited >= self._command_timeout:
             self._give_up(waited, now)
         elif now - self._sent >= _RESEND_PERIOD:
             self._sent = now
-            self._vehicle.repeat()
+            self._vehicles.repeat()
+
+    @property
+    def _is_complete(self) -> bool:
+        return len(self._commands) == len(self._agents)
 
     def _give_up(self, waited: float, now: float) -> None:
-        if self._pending is not None:
-            self._vehicle.event(f"the recorder is silent for {waited:.1f} s; no longer waiting")
+        if self._is_complete:
+            self._vehicles.event(f"the recorder is silent for {waited:.1f} s; no longer waiting")
             self._window = 0
-            self._release(now)
+            self._advance(now)
             return
         self.tally.missed += 1
         self.tally.held += 1
-        self._vehicle.event(
-            f"no torque for step {self._vehicle.step} within {waited:.1f} s; zero torque applied"
+        silent = [agent for agent in self._agents if agent not in self._commands]
+        of = f" of {', '.join(silent)}" if any(silent) else ""
+        self._vehicles.event(
+            f"no command{of} for step {self._vehicles.step} within {waited:.1f} s; "
+            "idle control applied"
         )
-        self._advance(np.zeros(3), Source.ZERO, now)
+        for agent in silent:
+            self._commands[agent] = Applied(self._vehicles.idle(agent), Source.ZERO)
+        self._advance(now)
 
-    def _release(self, now: float) -> None:
-        if self._pending is not None:
-            torque, source = self._pending
-            self._pending = None
-            self._advance(torque, source, now)
-
-    def _advance(self, torque: Vector3, source: Source, now: float) -> None:
+    def _advance(self, now: float) -> None:
+        commands, self._commands = self._commands, {}
         self._published = self._sent = now
-        self._vehicle.advance(torque, source)
+        self._vehicles.advance(commands)
 
 
 class FreeRun:
-    """Step on a fixed schedule of wall time, with the torque that is there by then.
+    """Step on a fixed schedule of wall time, with the commands that are there by then.
 
     Parameters
     ----------
-    vehicle : Vehicle
+    vehicles : Vehicles
+    agents : collection of str
+        Who commands.
     wall_period : float
         Control period divided by the real-time factor [s].
     max_held_steps : int
-        Consecutive steps over which the last torque is held; zero torque after that.
+        Consecutive steps over which the last command is held; the idle control after that.
     """
 
-    def __init__(self, vehicle: Vehicle, wall_period: float, max_held_steps: int) -> None:
-        self._vehicle = vehicle
+    def __init__(
+        self, vehicles: Vehicles, agents: Collection[str], wall_period: float, max_held_steps: int
+    ) -> None:
+        self._vehicles = vehicles
         self._wall_period = wall_period
         self._max_held_steps = max_held_steps
         self._start = self._published = 0.0
-        self._arrived: tuple[Vector3, Source] | None = None
-        self._last: tuple[Vector3, Source] = (np.zeros(3), Source.ZERO)
-        self._misses = 0
+        self._arrived: dict[str, Applied] = {}
+        self._last = {agent: Applied(vehicles.idle(agent), Source.ZERO) for agent in agents}
+        self._misses = dict.fromkeys(self._last, 0)
         self.tally = Tally()
 
     def begin(self, now: float) -> None:
         """Publish step 0 at wall time ``now`` [s], which starts the schedule."""
         self._start = self._published = now
-        self._vehicle.begin()
+        self._vehicles.begin()
 
     @property
     def deadline(self) -> float:
         """Wall time at which the current step ends [s]."""
-        return self._start + (self._vehicle.step + 1) * self._wall_period
+        return self._start + (self._vehicles.step + 1) * self._wall_period
 
-    def torque(self, step: int, torque: Vector3, source: Source, now: float) -> str | None:
-        """Take a torque; return why it is refused, or None. A late one is counted already."""
-        if step > self._vehicle.step:
-            return f"torque of step {step} before step {self._vehicle.step} has ended"
-        if step < self._vehicle.step:
+    def command(self, agent: str, step: int, applied: Applied, now: float) -> str | None:
+        """Take a command; return why it is refused, or None. A late one is counted already."""
+        if step > self._vehicles.step:
+            return f"command of step {step} before step {self._vehicles.step} has ended"
+        if step < self._vehicles.step:
             return None
         self.tally.latency = now - self._published
         self.tally.slack = self.deadline - now
-        self._arrived = (torque, source)
+        self._arrived[agent] = applied
         return None
 
     def recorded(self, step: int, now: float) -> None:
-        """Take no note of the recorder: wall time waits for nobody."""
+        """No-op: wall time does not wait for the recorder."""
 
     def tick(self, now: float) -> None:
         """Step as often as the schedule asks."""
-        while now >= self.deadline and not self._vehicle.finished:
-            torque, source = self._due_torque()
+        while now >= self.deadline and not self._vehicles.finished:
+            applied = {agent: self._due(agent) for agent in self._last}
+            if len(self._arrived) < len(applied):
+                self.tally.missed += 1
+                self.tally.held += 1
+                self.tally.latency = self.tally.slack = math.nan
+            self._arrived.clear()
             self._published = now
-            self._vehicle.advance(torque, source)
+            self._vehicles.advance(applied)
 
-    def _due_torque(self) -> tuple[Vector3, Source]:
-        if self._arrived is not None:
-            self._last, self._arrived = self._arrived, None
-            self._misses = 0
-            return self._last
-        self._misses += 1
-        self.tally.missed += 1
-        self.tally.held += 1
-        self.tally.latency = math.nan
-        self.tally.slack = math.nan
-        if self._misses > self._max_held_steps:
-            return np.zeros(3), Source.ZERO
-        return self._last
+    def _due(self, agent: str) -> Applied:
+        arrived = self._arrived.get(agent)
+        if arrived is not None:
+            self._last[agent] = arrived
+            self._misses[agent] = 0
+            return arrived
+        self._misses[agent] += 1
+        if self._misses[agent] > self._max_held_steps:
+            return Applied(self._vehicles.idle(agent), Source.ZERO)
+        return self._last[agent]

@@ -1,47 +1,23 @@
-"""Roll call: nobody starts before everybody hears everybody, so that no first message is lost."""
+"""Readiness: nobody starts before everybody hears everybody, so that no first message is lost."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from typing import Any
-
-from rclpy.publisher import Publisher
-from rclpy.subscription import Subscription
-
-from spacecraft_gnc.ros.topics import Topic
+from collections.abc import Callable
 
 
 class Readiness:
     """Whether every endpoint of a node has found its counterparts.
 
     A count seen on one side is not enough: the plant waits for this of every node.
-
-    Parameters
-    ----------
-    present
-        Names of the nodes that make up the graph.
-    wanted
-        Topics that the recorder takes; empty: all.
     """
 
-    def __init__(self, present: Collection[str], wanted: Collection[str]) -> None:
-        self._present = frozenset(present)
-        self._wanted = tuple(wanted)
+    def __init__(self) -> None:
         self._missing: dict[str, Callable[[], bool]] = {}
 
-    def expect_subscribers(self, topic: Topic, publisher: Publisher) -> None:
-        """Wait for the subscribers of ``topic``."""
-        count = topic.expected_subscribers(self._present, self._wanted)
-        self._expect(topic, count, publisher.get_subscription_count)
-
-    def expect_publishers(self, topic: Topic, subscription: Subscription) -> None:
-        """Wait for the publishers of ``topic``."""
-        count = topic.expected_publishers(self._present)
-        self._expect(topic, count, subscription.get_publisher_count)
-
-    def _expect(self, topic: Topic, count: int, current: Callable[[], Any]) -> None:
+    def expect(self, topic: str, count: int, current: Callable[[], int]) -> None:
+        """Wait until ``current`` counterparts of a topic are ``count``."""
         if count:
-            self._missing[topic.name] = lambda: current() >= count
+            self._missing[topic] = lambda: current() >= count
 
     def missing(self) -> tuple[str, ...]:
         """Topics that still lack a counterpart; one that was complete once stays so."""

@@ -17,7 +17,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import State
 from spacecraft_gnc.ros.slew_client import REFUSED
-from spacecraft_gnc.ros.topics import SLEW_ACTION
+from spacecraft_gnc.signals.attitude import SLEW_ACTION
 from spacecraft_gnc.types import Matrix3, Vector3
 
 _FEEDBACK_STRIDE = 10  # control steps between two feedback messages

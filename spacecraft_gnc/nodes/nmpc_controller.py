@@ -4,30 +4,21 @@ from __future__ import annotations
 
 import math
 import time
-from typing import ClassVar, NamedTuple
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
-from spacecraft_gnc import lie
-from spacecraft_gnc.loop.protocols import Command, Reference, State
-from spacecraft_gnc.nodes._markers import encode_zone_markers
+from spacecraft_gnc.loop.protocols import Command
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.nodes._status import SolverStatusEncoder
 from spacecraft_gnc.nodes._worker import Worker
-from spacecraft_gnc.ros import convert
-from spacecraft_gnc.ros.topics import (
-    ATTITUDE_ERROR,
-    CONTROLLER,
-    REFERENCE,
-    SOLVER_STATUS,
-    STATE,
-    TORQUE,
-    WALL_STATUS,
-    WALL_STATUS_PERIOD,
-    ZONE_MARKERS,
-)
+from spacecraft_gnc.ros.graph_of import outputs_of, vehicle_signals
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.signals import Refused, Signal
+from spacecraft_gnc.signals.graph import CONTROLLER, WALL_STATUS, WALL_STATUS_PERIOD
+from spacecraft_gnc.signals.members import Seams
+from spacecraft_gnc.signals.message import Stamp, period_ns
 
 _NEVER = -1
 
@@ -35,9 +26,10 @@ _NEVER = -1
 class _Job(NamedTuple):
     """A control step to be answered."""
 
-    stamp: convert.Stamp
-    state: State
-    reference: Reference
+    stamp: Stamp
+    step: int
+    state: Any
+    reference: Any
     arrival: float
     """Wall time at which the state came [s]."""
     begun: float
@@ -61,21 +53,24 @@ class ControllerNode(GncNode):
         self._controller = scenario.build_controller()
         self._controller.warm_up()
         self._worker: Worker[_Job, Command] | None = None
-        self._period_ns = convert.period_ns(self._controller.period)
-        self._status = SolverStatusEncoder(self._controller.name, scenario.controller.horizon)
+        self._period_ns = period_ns(self._controller.period)
+        self._signals = vehicle_signals(scenario.vehicle)
+        self._seams = Seams.among(self._signals)
+        self._outputs = outputs_of(scenario)
         free_run = scenario.plant.mode == "free_run"
         factor = scenario.plant.real_time_factor
         self._wall_period = self._controller.period / factor if free_run else math.nan
 
     def open(self) -> None:
         """Create the endpoints."""
-        self._publish_torque = self.advertise(TORQUE).publish
-        self._publish_status = self.advertise(SOLVER_STATUS).publish
-        self._publish_error = self.advertise(ATTITUDE_ERROR).publish
+        self._outlets: dict[Signal, Callable[[bytes], None]] = {
+            signal: self.advertise(signal).publish
+            for signal in self._signals
+            if CONTROLLER in signal.publishers
+        }
         self._publish_wall_status = self.advertise(WALL_STATUS).publish
-        self._markers = self.advertise(ZONE_MARKERS)
-        self.listen(STATE, self._on_state)
-        self.listen(REFERENCE, self._on_reference)
+        self.listen(self._seams.state, self._on_state)
+        self.listen(self._seams.reference, self._on_reference)
         timer = self.create_timer(self._controller.period, self._on_tick)
         timer.timer_period_ns = self._period_ns
         self.own(timer)
@@ -86,15 +81,16 @@ class ControllerNode(GncNode):
         if self._worker is not None:
             self._worker.require_end("solve")
         self._controller.reset()
-        self._state_bytes = self._torque_bytes = b""
-        self._state: State | None = None
-        self._reference: Reference | None = None
-        self._reference_step = self._answered = _NEVER
+        self._state_bytes = self._command_bytes = b""
+        self._state: Any = None
+        self._reference: Any = None
+        self._step = self._reference_step = self._answered = _NEVER
         self._skipped = 0
         self._due = 0  # a ROS-time timer never fires at t = 0, where step 0 is due
         self._command: Command | None = None
         self._unheard = False
-        self._markers.publish(encode_zone_markers(self.scenario.controller.zones))
+        for signal, value in self._outputs.setup():
+            self._outlets[signal](signal.encode((0, 0), 0, value))
         # A fast solve costs less than handing it to another thread and back.
         self._worker = Worker(self, self._solve, self._on_solved) if self._controller.slow else None
 
@@ -114,27 +110,29 @@ class ControllerNode(GncNode):
         if data == self._state_bytes:
             self._repeat()
             return
-        last = _NEVER if self._state is None else self._state.step
-        joining = self._state is None
+        state = self._seams.state
         try:
-            self._stamp, self._state, _ = convert.decode_state(data, last)
-        except convert.Refused as error:
-            self.refuse(STATE, str(error))
+            message = state.decode(data, self._step)
+        except Refused as error:
+            self.refuse(state, str(error))
             return
+        joining = self._state is None
+        self._stamp, self._step, self._state = message.stamp, message.step, state.value(message)
         self._state_bytes = data
         self._arrival = time.perf_counter()
-        self._unheard = joining and self.is_unheard(self._state.step)
+        self._unheard = joining and self.is_unheard(self._step)
         self._answer_if_due()
 
     def _on_reference(self, data: bytes) -> None:
         if not self.active:
             return
+        reference = self._seams.reference
         try:
-            step, self._reference = convert.decode_reference(data, self._reference_step)
-        except convert.Refused as error:
-            self.refuse(REFERENCE, str(error))
+            message = reference.decode(data, self._reference_step)
+        except Refused as error:
+            self.refuse(reference, str(error))
             return
-        self._reference_step = step
+        self._reference_step, self._reference = message.step, reference.value(message)
         self._answer_if_due()
 
     def _on_tick(self) -> None:
@@ -148,12 +146,13 @@ class ControllerNode(GncNode):
         state, reference = self._state, self._reference
         if state is None or reference is None or self._busy or self._unheard:
             return
-        step = state.step
+        step = self._step
         if self._reference_step == step > self._answered and self._due >= step:
             if self._answered != _NEVER:
                 self._skipped += step - self._answered - 1
             self._answered = step
-            self._answer(_Job(self._stamp, state, reference, self._arrival, time.perf_counter()))
+            begun = time.perf_counter()
+            self._answer(_Job(self._stamp, step, state, reference, self._arrival, begun))
 
     @property
     def _busy(self) -> bool:
@@ -174,21 +173,22 @@ class ControllerNode(GncNode):
 
     def _publish(self, job: _Job, command: Command) -> None:
         self._command = command
-        self._torque_bytes = convert.encode_torque(job.stamp, job.state.step, command)
-        self._publish_torque(self._torque_bytes)
         now = time.perf_counter()
         wall = (now - job.begun, self._wall_period - (now - job.arrival))
-        self._publish_status(self._status.encode(job.stamp, job.state.step, command, wall))
-        self._publish_error(convert.encode_attitude_error(job.stamp, job.state, job.reference))
+        for signal, value in self._outputs.controller(job.state, job.reference, command, wall):
+            data = signal.encode(job.stamp, job.step, value)
+            if signal is self._seams.control:
+                self._command_bytes = data
+            self._outlets[signal](data)
 
     def _repeat(self) -> None:
         if self._state is None:
             return
         if self._unheard:
-            self._unheard = self.is_unheard(self._state.step)
+            self._unheard = self.is_unheard(self._step)
             self._answer_if_due()
-        elif self._answered == self._state.step and not self._busy:
-            self._publish_torque(self._torque_bytes)
+        elif self._answered == self._step and not self._busy:
+            self._outlets[self._seams.control](self._command_bytes)
 
     def _report(self) -> None:
         """Publish what a progress display shows."""
@@ -197,16 +197,14 @@ class ControllerNode(GncNode):
         state, reference, command = self._state, self._reference, self._command
         if state is None or reference is None or command is None:
             return
-        solve_time = command.solution.solve_time if command.solution else math.nan
         values = {
-            "step": state.step,
-            "attitude_error": lie.angle_between(state.attitude, reference.attitude),
-            "wall_solve_time": solve_time,
+            "step": self._step,
+            **self._outputs.progress(state, reference, command),
             "source": int(command.source),
             "skipped_steps": self._skipped,
             "rejected_messages": self.refused,
         }
-        text = f"step {state.step}"
+        text = f"step {self._step}"
         self._publish_wall_status(self.diagnostic(DiagnosticStatus.OK, text, values))
 
 

@@ -1,93 +1,129 @@
-"""Node ``plant``: flies the simulated vehicle and owns simulated time."""
+"""Node ``plant``: flies the simulated vehicles and owns simulated time."""
 
 from __future__ import annotations
 
 import time
-from typing import ClassVar
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, ClassVar
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
-from std_msgs.msg import UInt64
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.nodes._node import GncNode
-from spacecraft_gnc.nodes._pace import FreeRun, Lockstep
+from spacecraft_gnc.nodes._pace import Applied, FreeRun, Lockstep
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.ros import convert
-from spacecraft_gnc.ros.cdr import Layout
-from spacecraft_gnc.ros.topics import (
+from spacecraft_gnc.ros.graph_of import agents_of, vehicle_signals
+from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.signals import Refused, Signal
+from spacecraft_gnc.signals.graph import (
     CLOCK,
-    INVARIANTS,
     PLANT,
-    POSE,
     READY,
     RECORDED,
     RECORDER,
     RECORDER_WINDOW,
-    STATE,
-    TORQUE,
     WALL_STATUS_PERIOD,
     WALL_TIMING,
 )
-from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.types import Vector3
+from spacecraft_gnc.signals.members import Seams, role_of
+from spacecraft_gnc.signals.message import Stamp, period_ns, stamp_of
 
 _TICK = 0.05  # [s] wall time between two looks at the clock in lockstep
 _WAITING_PERIOD = 5.0  # [s] wall time between two complaints before step 0
-_RECORDED = Layout(UInt64())
+
+
+class _Agent:
+    """One vehicle, and its ends in the graph."""
+
+    def __init__(self, name: str, scenario: Scenario) -> None:
+        self.name = name
+        self.signals = vehicle_signals(scenario.vehicle)
+        self.seams = Seams.among(self.signals)
+        self.core = scenario.build_plant()
+        self.core.warm_up()
+        self.publish: dict[Signal, Callable[[bytes], None]] = {}
+        self.reset()
+
+    def reset(self) -> None:
+        """Return to the initial state."""
+        self.core.reset()
+        self.applied = Applied(self.core.idle_control, Source.ZERO)
+        self.last_command = self.state = b""
+
+    def open(self, node: GncNode) -> None:
+        """Advertise what the plant publishes of this vehicle."""
+        self.publish = {
+            signal: node.advertise(signal, self.name).publish
+            for signal in self.signals
+            if PLANT in signal.publishers
+        }
+
+    def tell(self, stamp: Stamp, step: int) -> None:
+        """Publish the current state and what is told beside it."""
+        for signal, value in self.core.outputs(self.applied):
+            data = signal.encode(stamp, step, value)
+            if signal is self.seams.state:
+                self.state = data
+            self.publish[signal](data)
+
+    def repeat(self) -> None:
+        """Publish the same state again."""
+        self.publish[self.seams.state](self.state)
 
 
 class PlantNode(GncNode):
-    """Publishes states and ``/clock``, applies torques. The pace decides when (`_pace`)."""
+    """Publishes states and ``/clock``, applies commands. The pace decides when (`_pace`)."""
 
     ROLE: ClassVar[str] = PLANT
 
     def build(self, scenario: Scenario) -> None:
-        """Build the vehicle and the pace."""
+        """Build the vehicles and the pace."""
         about = {"plant": self.get_fully_qualified_name()}
         lock = domain.claim(domain.CLOCK, self.context.get_domain_id(), about)
         self.on_close(lock.release)
         for text in scenario.warnings:
             self.get_logger().warning(text)
-        self._plant = scenario.build_plant()
-        self._plant.warm_up()
-        self.n_steps = self._plant.n_steps
-        self._period_ns = convert.period_ns(self._plant.period)
-        self._pose_every = scenario.plant.pose_every
-        self._awaited = set(scenario.plant.peers) & set(READY.publishers)
+        self._agents = {name: _Agent(name, one) for name, one in agents_of(scenario).items()}
+        first = next(iter(self._agents.values())).core
+        self.n_steps, self._period = first.n_steps, first.period
+        self._period_ns = period_ns(self._period)
+        self._awaited = {
+            f"{self.place.root}/{name}"
+            for name in self.members.names
+            if role_of(name) in READY.publishers
+        }
         self._free_run = scenario.plant.mode == "free_run"
 
     def open(self) -> None:
         """Create the endpoints."""
-        self._publish_state = self.advertise(STATE).publish
-        self._publish_invariants = self.advertise(INVARIANTS).publish
-        self._publish_pose = self.advertise(POSE).publish
+        for agent in self._agents.values():
+            agent.open(self)
+            self.listen(agent.seams.control, partial(self._on_command, agent), agent.name)
         self._publish_clock = self.advertise(CLOCK).publish
         self._publish_timing = self.advertise(WALL_TIMING).publish
-        self.listen(TORQUE, self._on_torque)
         self.listen(READY, self._on_ready)
         self.listen(RECORDED, self._on_recorded)
-        wall_period = self._plant.period / self.scenario.plant.real_time_factor
+        wall_period = self._period / self.scenario.plant.real_time_factor
         self._tick_timer = self.every(wall_period if self._free_run else _TICK, self._on_tick)
         self._tick_timer.cancel()
         self.every(_WAITING_PERIOD, self._tell_what_is_missing)
 
     def start(self) -> None:
-        """Return to the initial state; step 0 goes out once everybody is ready."""
-        self._plant.reset()
+        """Return to the initial states; step 0 goes out once everybody is ready."""
+        for agent in self._agents.values():
+            agent.reset()
         self.step = 0
-        self._applied: tuple[Vector3, Source] = (np.zeros(3), Source.ZERO)
-        self._last_torque = b""
         self._last_timing = 0.0
         self._begun = 0.0
         p = self.scenario.plant
-        window = RECORDER_WINDOW if RECORDER in p.peers else 0
+        window = RECORDER_WINDOW if RECORDER in self.members.names else 0
         self._pace = (
-            FreeRun(self, self._plant.period / p.real_time_factor, p.max_held_steps)
+            FreeRun(self, self._agents, self._period / p.real_time_factor, p.max_held_steps)
             if self._free_run
-            else Lockstep(self, p.command_timeout, window)
+            else Lockstep(self, self._agents, p.command_timeout, window)
         )
         self._begin_if_ready()
 
@@ -102,7 +138,7 @@ class PlantNode(GncNode):
     # What arrives.
 
     def _on_ready(self, data: bytes) -> None:
-        self._awaited.discard(convert.decode_string(data))
+        self._awaited.discard(READY.read(data)["data"])
         self._begin_if_ready()
 
     def _begin_if_ready(self) -> None:
@@ -119,22 +155,24 @@ class PlantNode(GncNode):
                 f"for matches of topics: {list(self.missing()) or 'none'}"
             )
 
-    def _on_torque(self, data: bytes) -> None:
-        if not self.active or data == self._last_torque:
+    def _on_command(self, agent: _Agent, data: bytes) -> None:
+        if not self.active or data == agent.last_command:
             return  # a repeated answer to a repeated state
+        control = agent.seams.control
         try:
-            command = convert.decode_torque(data)
-            refusal = self._pace.torque(*command, time.perf_counter())
-        except convert.Refused as error:
+            message = control.decode(data)
+            applied = Applied(*control.value(message))
+            refusal = self._pace.command(agent.name, message.step, applied, time.perf_counter())
+        except Refused as error:
             refusal = str(error)
         if refusal is None:
-            self._last_torque = data
+            agent.last_command = data
         else:
-            self.refuse(TORQUE, refusal)
+            self.refuse(self.place.of_agent(agent.name).within_graph(control), refusal)
 
     def _on_recorded(self, data: bytes) -> None:
         if self.active:
-            self._pace.recorded(_RECORDED.read(data)[0], time.perf_counter())
+            self._pace.recorded(RECORDED.read(data)["data"], time.perf_counter())
 
     def _on_tick(self) -> None:
         if not self.active:
@@ -147,17 +185,23 @@ class PlantNode(GncNode):
     # What the pace asks for.
 
     def begin(self) -> None:
-        """Publish the initial state."""
+        """Publish the initial states."""
         self._publish()
 
-    def advance(self, torque: Vector3, source: Source) -> None:
-        """Apply a torque over one control period and publish the new state."""
+    def idle(self, agent: str) -> Any:
+        """Return the control of an agent without a command."""
+        return self._agents[agent].core.idle_control
+
+    def advance(self, applied: Mapping[str, Applied]) -> None:
+        """Apply controls over one control period and publish the new states."""
         try:
-            self.step = self._plant.step(torque).step
+            for name, agent in self._agents.items():
+                agent.applied = applied[name]
+                agent.core.step(agent.applied.control)
         except GncError as error:
             self.fail(error)
             return
-        self._applied = (torque, source)
+        self.step += 1
         self._publish()
         if self._free_run:
             self._report_timing(time.perf_counter())
@@ -165,8 +209,9 @@ class PlantNode(GncNode):
             self._finish()
 
     def repeat(self) -> None:
-        """Publish the same bytes of the current state and clock again."""
-        self._publish_state(self._state_bytes)
+        """Publish the same bytes of the current states and clock again."""
+        for agent in self._agents.values():
+            agent.repeat()
         self._publish_clock(self._clock_bytes)
 
     def _finish(self) -> None:
@@ -187,17 +232,11 @@ class PlantNode(GncNode):
         self.diagnose(DiagnosticStatus.WARN, text, counts)
 
     def _publish(self) -> None:
-        plant, step = self._plant, self.step
-        stamp = convert.stamp_of(step, self._period_ns)
-        self._state_bytes = convert.encode_state(stamp, plant.state, plant.angular_velocity())
-        self._clock_bytes = convert.encode_clock(stamp)
-        self._publish_state(self._state_bytes)
-        self._publish_invariants(
-            convert.encode_invariants(stamp, step, plant.invariants(), self._applied)
-        )
-        if self._pose_every and step % self._pose_every == 0:
-            self._publish_pose(convert.encode_pose(stamp, plant.state))
-        if step < self.n_steps:  # no tick at the last state: there is no control step to make
+        stamp = stamp_of(self.step, self._period_ns)
+        self._clock_bytes = CLOCK.encode(stamp, self.step, [stamp])
+        for agent in self._agents.values():
+            agent.tell(stamp, self.step)
+        if self.step < self.n_steps:  # no tick at the last state: there is no step to make
             self._publish_clock(self._clock_bytes)
 
     def _report_timing(self, now: float) -> None:
@@ -211,8 +250,8 @@ class PlantNode(GncNode):
             tally.held,
             self.refused,
         )
-        stamp = convert.stamp_of(self.step, self._period_ns)
-        self._publish_timing(convert.encode_wall_timing(stamp, self.step, timing))
+        stamp = stamp_of(self.step, self._period_ns)
+        self._publish_timing(WALL_TIMING.encode(stamp, self.step, timing))
 
 
 def main() -> int:

@@ -9,8 +9,6 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.qos import QoSProfile
-from std_msgs.msg import UInt64
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.nodes._foreign import ForeignTopics
@@ -18,23 +16,11 @@ from spacecraft_gnc.nodes._losses import SequenceWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._parameter_dump import ParameterDump
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.recording.stamps import step_of
-from spacecraft_gnc.recording.steps import SPARSE
+from spacecraft_gnc.recording.stamps import step_of, time_in
 from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
-from spacecraft_gnc.ros.bag_topics import announce, message_time, middleware, scenario_text
-from spacecraft_gnc.ros.cdr import Layout
-from spacecraft_gnc.ros.topics import (
-    CLOCK,
-    PLANT,
-    RECORD,
-    RECORDED,
-    RECORDER,
-    RECORDER_STRIDE,
-    STATE,
-    TOPICS,
-    Topic,
-    foreign,
-)
+from spacecraft_gnc.ros.bag_topics import announce, middleware, scenario_text
+from spacecraft_gnc.ros.graph_of import agents_of, foreign_topics, signals_of, vehicle_signals
+from spacecraft_gnc.ros.qos import plain_qos
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.scenario.provenance import (
     LOCK_ATTACHMENT,
@@ -44,8 +30,17 @@ from spacecraft_gnc.scenario.provenance import (
     run_record,
 )
 from spacecraft_gnc.scenario.recorded import DEFAULTS_ATTACHMENT, SCENARIO_ATTACHMENT
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.graph import (
+    CLOCK,
+    PLANT,
+    RECORDED,
+    RECORDER,
+    RECORDER_STRIDE,
+)
+from spacecraft_gnc.signals.members import Seams, is_recorded_of
+from spacecraft_gnc.signals.qos import RECORD
 
-_STEP = Layout(UInt64())
 _NOT_YET = -1  # [ns] simulated time before the first state
 _SHOUT_PERIOD = 1.0  # [s] wall between two reports of lost messages
 
@@ -79,20 +74,19 @@ class RecorderNode(GncNode):
         if lock := lock_file():
             self._bag.attach(LOCK_ATTACHMENT, "text/plain", lock)
         self._bag.metadata(RUN_RECORD, run_record(scenario, middleware()))
-        others = [name for name in (PLANT, *scenario.plant.peers) if name != RECORDER]
+        others = [name for name in self.members.names if name != RECORDER]
         self._dump = ParameterDump(self, others, self._on_parameters)
         self._has_parameters = False
 
     def open(self) -> None:
         """Subscribe to everything that is to be recorded."""
         wanted = self.scenario.recorder.topics
-        for topic in TOPICS:
-            if topic.is_recorded(wanted):
-                qos = topic.qos if topic.is_latched else RECORD
-                name = self.resolve_topic_name(topic.name)
-                announce(self._bag, name, topic.type, [topic.qos], gapless=self._is_gapless(topic))
-                self._take(topic, name, qos, self._writer_of_graph(topic, name))
-        self._foreign = ForeignTopics(self, foreign(wanted), self._on_foreign)
+        agent, one = next(iter(agents_of(self.scenario).items()))
+        self._leading = agent, Seams.among(vehicle_signals(one.vehicle)).state
+        for agent, signal in signals_of(self.scenario):
+            if is_recorded_of(signal, agent, wanted):
+                self._record(agent, signal)
+        self._foreign = ForeignTopics(self, foreign_topics(self.scenario), self._on_foreign)
         self._publish_recorded = self.advertise(RECORDED).publish
         self.every(FLUSH_PERIOD, self._flush)
 
@@ -120,7 +114,7 @@ class RecorderNode(GncNode):
             self._attach_parameters()
         except RecordingError as error:  # nothing may escape into the executor
             self.fail(error)
-        self._call_roll()
+        self._check_ready()
 
     def _attach_parameters(self) -> None:
         if not self._has_parameters:
@@ -144,16 +138,21 @@ class RecorderNode(GncNode):
             names = ", ".join(self._foreign.waiting)
             self.get_logger().error(f"nobody published on {names}: nothing of it is in the bag")
 
-    def _is_gapless(self, topic: Topic) -> bool:
-        """Tell whether a topic is published at every step, so that a gap means a loss."""
+    def _record(self, agent: str, signal: Signal) -> None:
+        """Announce a signal of an agent, and write what comes."""
+        name = self.place.of_agent(agent).topic(signal)
         free_run = self.scenario.plant.mode == "free_run"
         # In free_run a late answer is no loss.
-        return topic.name not in SPARSE and (not free_run or PLANT in topic.publishers)
+        gapless = signal.every_step and (not free_run or PLANT in signal.publishers)
+        announce(self._bag, name, signal.type, [signal.qos], gapless=gapless)
+        record, watch = self._counted(name, self._writer_of_graph(agent, signal, name))
+        qos = signal.qos if signal.is_latched else RECORD
+        self.listen(signal, record, agent, qos=qos, watch=watch)
 
     # The hot path: once for every message.
 
-    def _take(self, topic: Topic, name: str, qos: QoSProfile, write: Record) -> None:
-        """Subscribe to a topic; count what is lost on the way."""
+    def _counted(self, name: str, write: Record) -> tuple[Record, SequenceWatch]:
+        """Return a callback that counts what is lost on the way, and its watch."""
         self._watches[name] = watch = SequenceWatch()
         see = watch.see
 
@@ -165,14 +164,14 @@ class RecorderNode(GncNode):
             except RecordingError as error:
                 self.fail(error)
             except struct.error:
-                self.refuse(topic, f"{len(data)} bytes without a time stamp")
+                self.refuse(name.strip("/"), f"{len(data)} bytes without a time stamp")
 
-        self.listen(topic, record, qos, watch)
+        return record, watch
 
-    def _writer_of_graph(self, topic: Topic, name: str) -> Record:
+    def _writer_of_graph(self, agent: str, signal: Signal, name: str) -> Record:
         """Return what writes a topic of the graph, whose times are simulated."""
-        write, time_of = self._bag.write, message_time(topic)
-        is_state = topic is STATE
+        write, is_stamped, is_latched = self._bag.write, signal.is_stamped, signal.is_latched
+        leads = (agent, signal) == self._leading
         last = b""
 
         def record(data: bytes, info: Mapping[str, Any]) -> None:
@@ -180,24 +179,26 @@ class RecorderNode(GncNode):
             if data == last:
                 return  # a repeat after a stall
             if not self.active:
-                if topic.is_latched:
+                if is_latched:
                     self._early[name] = (record, data, info)
                 return
             last = data
-            stamp = max(self._now, 0) if time_of is None else time_of(data)
+            stamp = time_in(data) if is_stamped else max(self._now, 0)
             write(name, stamp, stamp, data)
             self._written += 1
-            if is_state:
+            if leads:
                 self._tell_progress(data, first=self._now < 0)
                 self._now = stamp
 
         return record
 
-    def _on_foreign(self, topic: Topic, publishers: list[Any]) -> None:
-        offered = [info.qos_profile for info in publishers]
-        announce(self._bag, topic.name, topic.type, offered, gapless=False)
-        self._take(topic, topic.name, topic.qos, self._writer_of_foreign(topic.name))
-        self.get_logger().info(f"records {topic.name} too")
+    def _on_foreign(self, name: str, kind: Any, qos: Any, publishers: list[Any]) -> None:
+        offered = [plain_qos(info.qos_profile) for info in publishers]
+        type_name = publishers[0].topic_type
+        announce(self._bag, name, type_name, offered, gapless=False)
+        record, watch = self._counted(name, self._writer_of_foreign(name))
+        self.subscribe(name, kind, qos, record, watch)
+        self.get_logger().info(f"records {name} too")
 
     def _writer_of_foreign(self, name: str) -> Record:
         """Return what writes another topic: at the time of reception, on the time line of the bag.
@@ -206,7 +207,8 @@ class RecorderNode(GncNode):
         """
         write, now = self._bag.write, self.get_clock().now
         wanted = self.scenario.recorder.topics
-        simulated = STATE.is_recorded(wanted) or bool(self.count_publishers(CLOCK.name))
+        agent, state = self._leading
+        simulated = is_recorded_of(state, agent, wanted) or bool(self.count_publishers(CLOCK.name))
 
         def record(data: bytes, info: Mapping[str, Any]) -> None:
             if not self.active:
@@ -223,7 +225,7 @@ class RecorderNode(GncNode):
     def _tell_progress(self, state: bytes, *, first: bool) -> None:
         step = step_of(state)
         if step is not None and (first or step % RECORDER_STRIDE == 0):
-            self._publish_recorded(_STEP.pack([step]))
+            self._publish_recorded(RECORDED.encode((0, 0), 0, [step]))
 
     # Beside it.
 

@@ -7,41 +7,31 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import GncError, LaunchError
-from spacecraft_gnc.loop.protocols import GovernorDecision, Reference, State
+from spacecraft_gnc.loop.protocols import GovernorDecision
 from spacecraft_gnc.nodes._governor_watch import GovernorWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._slew_server import Answer, SlewServer
-from spacecraft_gnc.nodes._status import GovernorStatusEncoder
 from spacecraft_gnc.nodes._worker import Worker
-from spacecraft_gnc.ros import convert
-from spacecraft_gnc.ros.topics import (
-    ACCEPTED_TARGET,
-    GOVERNOR,
-    GOVERNOR_STATUS,
-    REFERENCE,
-    STATE,
-    TARGET,
-)
+from spacecraft_gnc.ros.graph_of import outputs_of, vehicle_signals
 from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.types import Matrix3, Vector3, read_only
+from spacecraft_gnc.signals import Message, Refused, Signal
+from spacecraft_gnc.signals.attitude import REFERENCE
+from spacecraft_gnc.signals.graph import GOVERNOR
+from spacecraft_gnc.signals.members import Seams
 
 _NEVER = -1
-_STILL = read_only(np.zeros(3))
 _ACTIVATE = "required an active one; try again later"
 
 
 class _Received(NamedTuple):
     """A state to be answered."""
 
-    stamp: convert.Stamp
-    state: State
-    rate: Vector3
-    """Body rate (3,) [rad/s]."""
+    message: Message
+    state: Any
 
 
 class _Job(NamedTuple):
@@ -55,9 +45,9 @@ class _Decided(NamedTuple):
     """What the governor answers to a state."""
 
     decision: GovernorDecision
-    target: Matrix3
+    target: Any
     """Its target."""
-    taken: Matrix3 | None
+    taken: Any
     """Target to announce: one that it took since the step before; None: none."""
 
 
@@ -79,7 +69,10 @@ class GovernorNode(GncNode):
         self._governor.warm_up()
         self._worker: Worker[_Job, Any] | None = None
         self._has_announced = False
-        self._status = GovernorStatusEncoder()
+        self._signals = vehicle_signals(scenario.vehicle)
+        self._seams = Seams.among(self._signals)
+        self._outputs = outputs_of(scenario)
+        self._steers_attitude = self._seams.reference.type == REFERENCE.type
         parameters = scenario.governor
         self._tolerances = (
             math.radians(parameters.slew_tolerance_deg),
@@ -90,13 +83,18 @@ class GovernorNode(GncNode):
 
     def open(self) -> None:
         """Create the endpoints."""
-        self._publish_reference = self.advertise(REFERENCE).publish
-        self._publish_status = self.advertise(GOVERNOR_STATUS).publish
-        self._publish_target = self.advertise(ACCEPTED_TARGET).publish
-        self.listen(STATE, self._on_state)
-        self.listen(TARGET, self._on_target)
-        self._slews = SlewServer(self, self._set_target, *self._tolerances)
-        self.on_close(self._slews.destroy)
+        self._outlets: dict[Signal, Callable[[bytes], None]] = {
+            signal: self.advertise(signal).publish
+            for signal in self._signals
+            if GOVERNOR in signal.publishers
+        }
+        self.listen(self._seams.state, self._on_state)
+        if self._seams.target is not None:
+            self.listen(self._seams.target, self._on_target)
+        self._slews = None
+        if self._steers_attitude:
+            self._slews = SlewServer(self, self._set_target, *self._tolerances)
+            self.on_close(self._slews.destroy)
 
     def start(self) -> None:
         """Return to the scenario's target."""
@@ -106,7 +104,7 @@ class GovernorNode(GncNode):
         self._watch.reset()
         self._step = self._received_step = _NEVER
         self._waiting: _Received | None = None
-        self._taken: Matrix3 | None = None
+        self._taken: Any = None
         self._is_first = True
         self._deciding = self._unheard = False
         self._skipped = 0
@@ -118,7 +116,8 @@ class GovernorNode(GncNode):
         """Drop the decision that is under way, and the slew being flown."""
         if self._worker is not None:
             self._worker.close()
-        self._slews.stop()
+        if self._slews is not None:
+            self._slews.stop()
         if self._skipped:
             text = f"{self._skipped} steps passed over without an answer"
             self.diagnose(DiagnosticStatus.WARN, text, {"skipped_steps": self._skipped})
@@ -135,15 +134,15 @@ class GovernorNode(GncNode):
         if data == self._state_bytes:
             self._repeat()
             return
-        joining = self._received_step == _NEVER
+        joining, state = self._received_step == _NEVER, self._seams.state
         try:
-            received = _Received(*convert.decode_state(data, self._received_step))
-        except convert.Refused as error:
-            self.refuse(STATE, str(error))
+            message = state.decode(data, self._received_step)
+        except Refused as error:
+            self.refuse(state, str(error))
             return
-        self._received_step = received.state.step
+        self._received_step = message.step
         self._state_bytes, self._reference_bytes = data, b""
-        self._waiting = received
+        self._waiting = _Received(message, state.value(message))
         self._unheard = joining and self.is_unheard(self._received_step)
         self._decide_next()
 
@@ -151,34 +150,37 @@ class GovernorNode(GncNode):
         if self._unheard:
             self._unheard = self.is_unheard(self._received_step)
         if self._reference_bytes:
-            self._publish_reference(self._reference_bytes)
+            self._outlets[self._seams.reference](self._reference_bytes)
         self._decide_next()
 
     def _on_target(self, data: bytes) -> None:
         if not self.active:
             return
+        target = self._seams.target
+        assert target is not None  # noqa: S101 - else nothing is listened to
         try:
-            _, target = convert.decode_reference(data)
-        except convert.Refused as error:
-            self.refuse(TARGET, str(error))
+            wanted = target.value(target.decode(data))
+        except Refused as error:
+            self.refuse(target, str(error))
             return
-        self._set_target(target.attitude, self._on_target_answered)
+        self._set_target(wanted.attitude, self._on_target_answered)
 
     def _on_target_answered(self, refusal: GncError | None) -> None:
+        target = self._seams.target
         if refusal is not None:
-            self.refuse(TARGET, str(refusal))
-        else:
-            self._slews.preempt(f"replaced by a target on the topic {TARGET.name}")
+            self.refuse(target, str(refusal))
+        elif self._slews is not None:
+            self._slews.preempt(f"replaced by a target on the topic {target}")
 
     # What the governor is asked for.
 
-    def _set_target(self, target: Matrix3, answer: Answer) -> None:
+    def _set_target(self, target: Any, answer: Answer) -> None:
         if not self.active:
             answer(LaunchError(f"target: received by an inactive {self.ROLE}; {_ACTIVATE}"))
             return
         self._ask(_Job(partial(self._refusal, target), answer))
 
-    def _refusal(self, target: Matrix3) -> GncError | None:
+    def _refusal(self, target: Any) -> GncError | None:
         """Give the governor a target; return why it does not take it."""
         try:
             self._governor.set_target(target)
@@ -192,14 +194,15 @@ class GovernorNode(GncNode):
         if received is None or self._deciding or self._unheard:
             return
         if self._step != _NEVER:
-            self._skipped += received.state.step - self._step - 1
-        self._step = received.state.step
+            self._skipped += received.message.step - self._step - 1
+        self._step = received.message.step
         self._waiting, self._deciding = None, True
-        self._ask(_Job(partial(self._decide, received.state), partial(self._publish, received)))
+        decide = partial(self._decide, self._step, received.state)
+        self._ask(_Job(decide, partial(self._publish, received)))
 
-    def _decide(self, state: State) -> _Decided:
+    def _decide(self, step: int, state: Any) -> _Decided:
         taken, self._taken = self._taken, None
-        if taken is None and self._is_first and (state.step > 0 or self._has_announced):
+        if taken is None and self._is_first and (step > 0 or self._has_announced):
             taken = self._governor.target  # started anew: what was announced counts no more
         self._is_first = False
         self._has_announced |= taken is not None
@@ -215,22 +218,29 @@ class GovernorNode(GncNode):
 
     def _publish(self, received: _Received, decided: _Decided) -> None:
         self._deciding = False
-        stamp, state, rate = received
-        decision, target, taken = decided
-        if taken is not None:
-            accepted = Reference(taken, _STILL, _STILL)
-            self._publish_target(convert.encode_reference(stamp, state.step, accepted))
-        data = convert.encode_reference(stamp, state.step, decision.reference)
-        if self._waiting is None:  # else it is not the answer to the last state
-            self._reference_bytes = data
-        self._publish_reference(data)
-        self._publish_status(self._status.encode(stamp, state.step, decision))
-        self._slews.update(state, rate, decision.alpha)
-        trouble = self._watch.look(state, rate, decision, target)
+        stamp, step = received.message.stamp, received.message.step
+        if decided.taken is not None:
+            for signal, value in self._outputs.accepted(decided.taken):
+                self._outlets[signal](signal.encode(stamp, step, value))
+        for signal, value in self._outputs.governor(decided.decision):
+            data = signal.encode(stamp, step, value)
+            # Else it is not the answer to the last state.
+            if signal is self._seams.reference and self._waiting is None:
+                self._reference_bytes = data
+            self._outlets[signal](data)
+        if self._slews is not None:
+            self._judge(received, decided, self._slews)
+        self._decide_next()
+
+    def _judge(self, received: _Received, decided: _Decided, slews: SlewServer) -> None:
+        """Tell how a slew goes, and what the governor cannot do."""
+        state, rate = received.state, received.message.array("angular_velocity")
+        slews.update(state, rate, decided.decision.alpha)
+        trouble = self._watch.look(state, rate, decided.decision, decided.target)
         if trouble is not None:
             self.get_logger().warning(trouble.text)
+            stamp = received.message.stamp
             self.diagnose(DiagnosticStatus.WARN, trouble.text, trouble.values, stamp)
-        self._decide_next()
 
 
 def _compute(job: _Job) -> Any:

@@ -27,7 +27,8 @@ from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._scan import Block, Progress, messages, read_block
 from spacecraft_gnc.recording._verify import verify
 from spacecraft_gnc.recording.metadata import METADATA_NAME
-from spacecraft_gnc.recording.qos import QosProfile, parse_qos
+from spacecraft_gnc.recording.qos import parse_qos
+from spacecraft_gnc.signals.qos import QosProfile
 
 _NO_SPAN: Final = (0, -1)
 _Placed: TypeAlias = tuple[int, int, int, int, str, bytes]

@@ -15,9 +15,9 @@ from typing import Final, NamedTuple
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
-from spacecraft_gnc.recording.qos import INFINITE_NS, QosProfile
 from spacecraft_gnc.recording.schema_text import fields
 from spacecraft_gnc.recording.stamps import STEPPED_START, step_of
+from spacecraft_gnc.signals.qos import INFINITE_NS, QosProfile
 
 CLOCK: Final = "/clock"
 CLOCK_TYPE: Final = "rosgraph_msgs/msg/Clock"

@@ -3,33 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import yaml
 
-_NS_PER_S = 1_000_000_000
-INFINITE_NS = 9_223_372_036 * _NS_PER_S + 854_775_807
-"""Duration that rmw calls infinite [ns]: deadline, lifespan and lease of a profile without one."""
+from spacecraft_gnc.signals.qos import QosProfile
 
-
-class QosProfile(NamedTuple):
-    """One publisher's offered profile; the policy names are those of the rmw layer."""
-
-    history: str = "keep_last"
-    """keep_last | keep_all | unknown"""
-    depth: int = 10
-    reliability: str = "reliable"
-    """reliable | best_effort | unknown"""
-    durability: str = "volatile"
-    """volatile | transient_local | unknown"""
-    deadline_ns: int = INFINITE_NS
-    lifespan_ns: int = INFINITE_NS
-    liveliness: str = "automatic"
-    """automatic | manual_by_topic | unknown"""
-    liveliness_lease_ns: int = INFINITE_NS
-    avoid_ros_namespace_conventions: bool = False
-
-
+_NS_PER_S: Final = 1_000_000_000
 _NUMBERED: Final = {
     "history": {1: "keep_last", 2: "keep_all"},
     "reliability": {1: "reliable", 2: "best_effort"},

@@ -10,6 +10,8 @@ from spacecraft_gnc.recording.metadata import TopicSummary
 
 _UINT32 = struct.Struct("<I")
 _UINT64 = struct.Struct("<Q")
+_STAMP = struct.Struct("<iI")
+_NS_PER_S = 1_000_000_000
 _ENCAPSULATION = 4  # bytes before the CDR payload; alignment counts from their end
 _FRAME_ID_AT = 12  # in the payload: stamp 8 bytes, length of the string 4
 STEPPED_START = [("std_msgs/Header", "header"), ("uint64", "step")]
@@ -86,3 +88,15 @@ def step_of(data: bytes) -> int | None:
         return int(_UINT64.unpack_from(data, _ENCAPSULATION + aligned)[0])
     except struct.error:
         return None
+
+
+def time_in(data: bytes) -> int:
+    """Return the time [ns] at the start of a little-endian CDR message.
+
+    Raises
+    ------
+    struct.error
+        If the message is too short to hold one.
+    """
+    seconds, nanoseconds = _STAMP.unpack_from(data, _ENCAPSULATION)
+    return int(seconds * _NS_PER_S + nanoseconds)

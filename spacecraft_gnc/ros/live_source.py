@@ -8,9 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
-from rclpy.serialization import deserialize_message
-from spacecraft_gnc_msgs.msg import GovernorStatus, SolverStatus, WallTiming
-
 from spacecraft_gnc.analysis.live.history import History, sample
 from spacecraft_gnc.analysis.live.picture import (
     Decision,
@@ -24,29 +21,23 @@ from spacecraft_gnc.analysis.live.picture import (
 from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.recording.stamps import step_of
-from spacecraft_gnc.ros import convert
-from spacecraft_gnc.ros.endpoints import full_topic_name
+from spacecraft_gnc.ros.endpoints import full_topic_name, message_type
 from spacecraft_gnc.ros.graph import GraphView
+from spacecraft_gnc.ros.graph_of import vehicle_signals
 from spacecraft_gnc.ros.inboxes import Inbox, Rates
+from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.ros.setup_reader import SetupReader
-from spacecraft_gnc.ros.topics import (
-    ACCEPTED_TARGET,
-    GOVERNOR_STATUS,
-    REFERENCE,
-    SOLVER_STATUS,
-    STATE,
-    TORQUE,
-    WALL_TIMING,
-)
+from spacecraft_gnc.signals import Message, Refused, Signal
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
+from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.signals.members import Seams
 from spacecraft_gnc.types import Matrix3
 
 _STALE: Final = 2.0  # [s] wall without a state, at least; a slow flight has its own pace
 _STALE_PERIODS: Final = 3.0
 _LOOK: Final = 0.5  # [s] wall between two looks at who publishes
 _MOST_SAMPLES: Final = 60  # of one picture: a fast flight is drawn coarser
-_TOPICS: Final = (
-    STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, WALL_TIMING, ACCEPTED_TARGET,
-)  # fmt: skip
+_SOLVER_STATUS: Final = "solver_status"
 
 
 class LiveSource:
@@ -78,21 +69,24 @@ class LiveSource:
         prefix = f"/{space}/" if space else "/"
         self.setup = Setup(title=_title(view.domain_id), live=True)
         self.history = History()
-        self._state_name = full_topic_name(view.node, f"{prefix}{STATE.name}")
+        signals = vehicle_signals()
+        self._seams = Seams.among(signals)
+        self._state_name = full_topic_name(view.node, f"{prefix}{self._seams.state}")
         self._reader = SetupReader(view.node, prefix)
-        self._inboxes = {topic.name: Inbox() for topic in _TOPICS}
-        for topic in _TOPICS:
-            self._listen(topic, prefix)
+        self._signals = {s.name: s for s in (*signals, WALL_TIMING) if s.is_stepped}
+        self._inboxes = {name: Inbox() for name in self._signals}
+        for signal in self._signals.values():
+            self._listen(signal, prefix)
         self._rates = Rates(self._inboxes)
         self._look_at, self._publishers = -math.inf, 0
         self._step = self._sampled = -1
         self._arrived = self._interval = 0.0
         self._targets: dict[int, Matrix3] = {}
 
-    def _listen(self, topic: Any, prefix: str) -> None:
-        inbox = self._inboxes[topic.name]
-        notes = {STATE.name: self._note_step, ACCEPTED_TARGET.name: self._note_target}
-        note = notes.get(topic.name)
+    def _listen(self, signal: Signal, prefix: str) -> None:
+        inbox = self._inboxes[signal.name]
+        notes = {self._seams.state: self._note_step, self._seams.accepted: self._note_target}
+        note = notes.get(signal)
 
         def take(data: bytes) -> None:
             step = step_of(data)
@@ -102,8 +96,8 @@ class LiveSource:
                 note(step, data)
             inbox.put(step, data)
 
-        name = f"{prefix}{topic.name}"
-        self._view.node.create_subscription(topic.type, name, take, topic.qos, raw=True)
+        kind, qos = message_type(signal.type), ros_qos(signal.qos)
+        self._view.node.create_subscription(kind, f"{prefix}{signal}", take, qos, raw=True)
 
     @property
     def heard(self) -> bool:
@@ -144,7 +138,7 @@ class LiveSource:
             self._step, self._arrived = step, now
 
     def _note_target(self, step: int, data: bytes) -> None:
-        target = _attitude(data)
+        target = _attitude(ACCEPTED_TARGET, data)
         if target is not None:
             self._targets[step] = target
 
@@ -190,7 +184,7 @@ class LiveSource:
 
     def _sample(self) -> None:
         """Sample the steps before the newest, whose reference and torque have come by now."""
-        states = self._inboxes[STATE.name].messages
+        states = self._inboxes[self._seams.state.name].messages
         end = self._step + (1 if self._is_abandoned else 0)
         new = [k for k in states if self._sampled < k < end and self.history.wants(k)]
         if not new:
@@ -205,86 +199,98 @@ class LiveSource:
     def _at(self, step: int, phase: Phase, note: str, now: float | None) -> Picture:
         """Return the picture of a step; with ``now`` [s] also what is not of a step."""
         try:
-            stamp, state, _ = convert.decode_state(self._message(STATE.name, step), 0)
-        except convert.Refused as refusal:
+            message = self._seams.state.decode(self._message(self._seams.state, step))
+        except Refused as refusal:
             return Picture(phase=phase, note=f"a state was refused: {refusal}", step=step)
-        torque = self._torque(step)
+        state = self._seams.state.value(message)
+        control, source = self._control(step)
         return Picture(
             phase=phase,
             note=note,
             step=step,
-            time=stamp[0] + 1e-9 * stamp[1],
+            time=message.stamp[0] + 1e-9 * message.stamp[1],
             attitude=state.attitude,
-            reference=_attitude(self._message(REFERENCE.name, step)),
+            reference=_attitude(REFERENCE, self._message(REFERENCE, step)),
             target=self._target(step),
             momentum=state.momentum,
-            torque=None if torque is None else torque.torque,
-            source=-1 if torque is None else int(torque.source),
+            torque=control,
+            source=int(source),
             solve=None if now is None else self._solve(),
             decision=self._decision(step),
             timing=None if now is None else self._timing(),
             rates={} if now is None else self._rates.at(now),
         )
 
-    def _message(self, topic: str, step: int) -> bytes:
+    def _message(self, signal: Signal, step: int) -> bytes:
         """Return the message of a step, or else the last one."""
-        inbox = self._inboxes[topic]
+        inbox = self._inboxes[signal.name]
         return inbox.messages.get(step, inbox.last)
 
-    def _torque(self, step: int) -> convert.Torque | None:
-        data = self._message(TORQUE.name, step)
+    def _control(self, step: int) -> tuple[Any, int]:
+        """Return the control of a step and its source; None and -1 where none is known."""
+        signal = self._seams.control
+        data = self._message(signal, step)
         try:
-            return convert.decode_torque(data) if data else None
-        except convert.Refused:
+            return signal.value(signal.decode(data)) if data else (None, -1)
+        except Refused:
+            return None, -1
+
+    def _last(self, name: str) -> Message | None:
+        """Return the last message of a signal; None: it is absent, or none."""
+        data = self._inboxes[name].last
+        try:
+            return self._signals[name].read(data) if data else None
+        except Refused:
             return None
 
     def _solve(self) -> Solve | None:
-        data = self._inboxes[SOLVER_STATUS.name].last
-        if not data:
+        m = self._last(_SOLVER_STATUS)
+        if m is None:
             return None
-        m = deserialize_message(data, SolverStatus)
         return Solve(
-            status=status_name(m.status),
-            iterations=m.iterations,
-            residual=m.residual,
-            cost=m.cost,
-            curvature=m.min_curvature,
-            solve_time=m.wall_solve_time,
+            status=status_name(m["status"]),
+            iterations=m["iterations"],
+            residual=m["residual"],
+            cost=m["cost"],
+            curvature=m["min_curvature"],
+            solve_time=m["wall_solve_time"],
         )
 
     def _decision(self, step: int) -> Decision | None:
-        data = self._message(GOVERNOR_STATUS.name, step)
-        if not data:
+        data = self._message(GOVERNOR_STATUS, step)
+        try:
+            m = GOVERNOR_STATUS.read(data) if data else None
+        except Refused:
+            m = None
+        if m is None:
             return None
-        m = deserialize_message(data, GovernorStatus)
         return Decision(
-            alpha=m.alpha,
-            margin=m.margin,
-            admissible=m.admissible,
-            constraint=m.active_constraint,
+            alpha=m["alpha"],
+            margin=m["margin"],
+            admissible=m["admissible"],
+            constraint=m["active_constraint"],
         )
 
     def _timing(self) -> Timing | None:
-        data = self._inboxes[WALL_TIMING.name].last
-        if not data:
+        m = self._last(WALL_TIMING.name)
+        if m is None:
             return None
-        m = deserialize_message(data, WallTiming)
-        simulated = m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec
+        simulated, elapsed = m.stamp[0] + 1e-9 * m.stamp[1], m["wall_elapsed"]
         return Timing(
-            speed=simulated / m.wall_elapsed if m.wall_elapsed > 0.0 else math.nan,
-            latency=m.wall_latency,
-            slack=m.wall_deadline_slack,
-            missed=m.missed_deadlines,
-            held=m.held_commands,
-            rejected=m.rejected_messages,
+            speed=simulated / elapsed if elapsed > 0.0 else math.nan,
+            latency=m["wall_latency"],
+            slack=m["wall_deadline_slack"],
+            missed=m["missed_deadlines"],
+            held=m["held_commands"],
+            rejected=m["rejected_messages"],
         )
 
 
-def _attitude(data: bytes) -> Matrix3 | None:
-    """Return the attitude (3, 3) of an AttitudeReference; None: it is absent, or a bad one."""
+def _attitude(signal: Signal, data: bytes) -> Matrix3 | None:
+    """Return the attitude (3, 3) of a reference; None: it is absent, or a bad one."""
     try:
-        return convert.decode_reference(data)[1].attitude if data else None
-    except convert.Refused:
+        return signal.value(signal.decode(data)).attitude if data else None
+    except Refused:
         return None
 
 

@@ -25,7 +25,8 @@ from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.recording.play_clock import PlayClock
 from spacecraft_gnc.recording.playback import Moment, Playback
 from spacecraft_gnc.ros.outlet import Outlet
-from spacecraft_gnc.ros.played_types import Unplayable, played_type, ros_qos
+from spacecraft_gnc.ros.played_types import Unplayable, played_type
+from spacecraft_gnc.ros.qos import ros_qos
 
 if TYPE_CHECKING:
     from typing_extensions import Self

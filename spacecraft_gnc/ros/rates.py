@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from spacecraft_gnc.ros.bag_topics import is_stamped
 from spacecraft_gnc.ros.endpoints import message_type
 from spacecraft_gnc.ros.graph import GraphError, GraphView
+from spacecraft_gnc.signals.structures import HEADER, TIME
 
 _STAMP = struct.Struct("<iI")
 _STAMP_AT = 4  # after the encapsulation header
@@ -128,7 +128,7 @@ def delays(view: GraphView, topic: str, window: float, patience: float) -> Itera
     info = view.find_topic(topic)
     watch = _Watch(_has_clock(view))
     kind = _installed(info.types[0])
-    if kind is not None and not is_stamped(kind):
+    if kind is not None and not _is_stamped(kind):
         raise GraphError(
             f"{info.name}: received type {info.types[0]}, which does not begin with a header; "
             "required a stamp to tell the age by; use `gnc inspect hz`"
@@ -214,3 +214,8 @@ def _spin_for(view: GraphView, duration: float) -> float:
     begun = time.monotonic()
     view.spin_until(lambda: time.monotonic() >= begun + duration)
     return max(time.monotonic() - begun, 1e-9)
+
+
+def _is_stamped(message_type: Any) -> bool:
+    """Tell whether serialized messages of a class begin with a time stamp."""
+    return next(iter(message_type.get_fields_and_field_types().values()), "") in (HEADER, TIME)

@@ -13,8 +13,8 @@ from rclpy.parameter_client import AsyncParameterClient
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ros.parameters import ROS_OWN
 from spacecraft_gnc.ros.remote import NOT_SET
-from spacecraft_gnc.ros.topics import CONTROLLER, GOVERNOR, PLANT
 from spacecraft_gnc.scenario import Scenario, from_sections
+from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR, PLANT
 
 _RETRY: Final = 1.0  # [s] wall: an answer may be lost, and parameters are declared on configure
 _PROOF: Final = {PLANT: "duration", CONTROLLER: "method", GOVERNOR: "governor"}

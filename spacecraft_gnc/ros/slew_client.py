@@ -10,7 +10,7 @@ from rclpy.action import ActionClient
 from spacecraft_gnc_msgs.action import SlewTo
 
 from spacecraft_gnc.ros.graph import GraphError, GraphView
-from spacecraft_gnc.ros.topics import SLEW_ACTION
+from spacecraft_gnc.signals.attitude import SLEW_ACTION
 from spacecraft_gnc.types import Array
 
 _PATIENCE = 5.0  # [s] wall for the server to answer

@@ -19,7 +19,9 @@ from rclpy.signals import SignalHandlerOptions
 from spacecraft_gnc_msgs.msg import WallTiming
 
 from spacecraft_gnc.launcher.environment import prepare
-from spacecraft_gnc.ros.topics import PLANT, WALL_STATUS, WALL_TIMING
+from spacecraft_gnc.ros.endpoints import message_type
+from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.signals.graph import PLANT, WALL_STATUS, WALL_TIMING
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -75,8 +77,9 @@ class Supervisor:
         self._executor.add_node(self._node)
         self._nodes = {name: _Managed(self._node, name) for name in names}
         self.progress = Progress()
-        for topic, callback in ((WALL_TIMING, self._on_timing), (WALL_STATUS, self._on_status)):
-            self._node.create_subscription(topic.type, topic.name, callback, topic.qos)
+        for signal, callback in ((WALL_TIMING, self._on_timing), (WALL_STATUS, self._on_status)):
+            kind, qos = message_type(signal.type), ros_qos(signal.qos)
+            self._node.create_subscription(kind, signal.name, callback, qos)
 
     def __enter__(self) -> Self:
         """Return the supervisor."""

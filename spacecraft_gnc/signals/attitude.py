@@ -29,6 +29,8 @@ from spacecraft_gnc.types import Array, GovernorDecision, Matrix3, Reference, re
 
 INERTIAL_FRAME: Final = "inertial"
 BODY_FRAME: Final = "body"
+SLEW_ACTION: Final = "slew_to"
+"""Name of the action SlewTo."""
 _STILL: Final = read_only(np.zeros(3))
 
 

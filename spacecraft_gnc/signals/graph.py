@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
 from typing import Final
 
 from spacecraft_gnc.signals.qos import COMMAND, EVENTS, latched
 from spacecraft_gnc.signals.rules import ANY
-from spacecraft_gnc.signals.signal import EVERY, STAMPED, Field, Signal
+from spacecraft_gnc.signals.signal import STAMPED, Field, Signal
 from spacecraft_gnc.signals.structures import TIME
 
 PLANT: Final = "plant"
@@ -98,9 +97,3 @@ RECORDER_STRIDE: Final = 50
 """The recorder tells how far it is every so many steps."""
 WALL_STATUS_PERIOD: Final = 0.2
 """Wall time between two reports for people [s]."""
-
-
-def foreign(signals: Iterable[Signal], wanted: Collection[str]) -> tuple[str, ...]:
-    """Return what a recorder is asked for and none of the signals of its graph is."""
-    known = {EVERY, *(signal.name.strip("/") for signal in signals if signal.recorded)}
-    return tuple(name for name in wanted if name.strip("/") not in known)

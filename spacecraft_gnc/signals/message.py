@@ -9,8 +9,19 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 
+_NS_PER_S = 1_000_000_000
 Stamp = tuple[int, int]
 """Seconds and nanoseconds."""
+
+
+def period_ns(period: float) -> int:
+    """Return a control period [s] in whole nanoseconds: simulated time never rounds again."""
+    return round(period * _NS_PER_S)
+
+
+def stamp_of(step: int, period_in_ns: int) -> Stamp:
+    """Return the simulated time t_k of a control step."""
+    return divmod(step * period_in_ns, _NS_PER_S)
 
 
 class Refused(Exception):

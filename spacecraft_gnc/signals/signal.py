@@ -12,7 +12,7 @@ from spacecraft_gnc.signals.message import Message, Refused, Stamp
 from spacecraft_gnc.signals.nested import encode_nested
 from spacecraft_gnc.signals.qos import STREAM, TRANSIENT_LOCAL, QosProfile
 from spacecraft_gnc.signals.rules import FINITE, Check, Rule, check_of, reject_step
-from spacecraft_gnc.signals.structures import HEADER, SEQUENCE, numbers_in, parse_kind
+from spacecraft_gnc.signals.structures import HEADER, SEQUENCE, TIME, numbers_in, parse_kind
 
 STEPPED: Final = ("header", "step")
 STAMPED: Final = ("header",)
@@ -108,6 +108,12 @@ class Signal:
     def is_stepped(self) -> bool:
         """Whether its messages carry their control step."""
         return self.start == STEPPED
+
+    @property
+    def is_stamped(self) -> bool:
+        """Whether its messages begin with a time."""
+        first = next(iter(self.kinds.values()))
+        return first in (HEADER, TIME)
 
     @property
     def is_latched(self) -> bool:

@@ -33,10 +33,11 @@ from spacecraft_gnc_msgs.msg import (
 )
 
 from spacecraft_gnc.launcher import environment
-from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
+from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.writer import BagWriter
-from spacecraft_gnc.ros.topics import reliable
+from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.signals.qos import RECORD, QosProfile
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE = 60.0
@@ -141,7 +142,7 @@ class Listener:
             message_type = kind or TYPES[topic]
             callback = self.heard[topic].append
             self.node.create_subscription(
-                message_type, topic, callback, qos or reliable(5000), raw=True
+                message_type, topic, callback, qos or ros_qos(RECORD), raw=True
             )
 
     def spin_until(self, done: Callable[[], bool]) -> None:

@@ -15,6 +15,7 @@ from geometry_msgs.msg import Quaternion
 from graph.comparison import CASE1, assert_equals_simulation
 from graph.test_failures import kill
 from graph.test_flight import payloads
+from node_messages import ends
 from rclpy.action import ActionClient
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -27,9 +28,8 @@ from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.audit.ledger import Check
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted
-from spacecraft_gnc.loop.protocols import Reference
-from spacecraft_gnc.ros import convert
-from spacecraft_gnc.ros.topics import DIAGNOSTICS, GOVERNOR, GOVERNOR_STATUS, TARGET
+from spacecraft_gnc.signals.attitude import GOVERNOR_STATUS, TARGET, at_rest
+from spacecraft_gnc.signals.graph import DIAGNOSTICS, GOVERNOR
 
 pytestmark = pytest.mark.graph
 
@@ -73,14 +73,15 @@ class Operator:
     def command(self) -> None:
         self.action = ActionClient(self.node, SlewTo, "slew_to")
         assert self.action.wait_for_server(PATIENCE)
-        topic = self.node.create_publisher(TARGET.type, TARGET.name, TARGET.qos)
+        topic = self.node.create_publisher(*ends(TARGET))
         listen = self.node.create_subscription
-        listen(GovernorStatus, GOVERNOR_STATUS.name, self.on_status, GOVERNOR_STATUS.qos)
-        listen(DIAGNOSTICS.type, DIAGNOSTICS.name, self.on_diagnostics, DIAGNOSTICS.qos)
+        for signal, take in ((GOVERNOR_STATUS, self.on_status), (DIAGNOSTICS, self.on_diagnostics)):
+            kind, name, qos = ends(signal)
+            listen(kind, name, take, qos)
         first = self.send("first", about_x(40.0))
         self.spin(lambda: self.feedback["first"])
         self.refused = self.result(self.send("refused", about_x(75.0)))
-        target = convert.encode_reference((0, 0), 0, Reference(about_x(75.0), *np.zeros((2, 3))))
+        target = TARGET.encode((0, 0), 0, at_rest(about_x(75.0)))
         self.spin(topic.get_subscription_count)
         topic.publish(target)
         self.spin(lambda: any("rejected" in d.message for d in self.diagnostics))

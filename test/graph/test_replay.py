@@ -32,8 +32,9 @@ from std_msgs.msg import String
 
 from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher import environment
-from spacecraft_gnc.ros.convert import decode_torque
-from spacecraft_gnc.ros.topics import latched
+from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.signals.qos import latched
+from spacecraft_gnc.vehicles.rigid_body.signals import TORQUE
 
 pytestmark = pytest.mark.graph
 
@@ -69,7 +70,7 @@ def test_all_messages_arrive_as_recorded(play: Any, tmp_path: Path) -> None:
     edit(bag, with_the_span_of_the_end)
     player, listener = play("--rate", "max", bag=bag)
     listener.listen(*TYPES)
-    listener.listen("/note", kind=String, qos=latched(1))
+    listener.listen("/note", kind=String, qos=ros_qos(latched(1)))
     count = sum(len(messages) for messages in payloads.values()) + STEPS + 2
     listener.spin_until(lambda: sum(map(len, listener.heard.values())) >= count)
     for topic, expected in payloads.items():
@@ -90,7 +91,7 @@ def test_who_joins_late_gets_what_is_latched(play: Any) -> None:
     player, listener = play("--start", "8", "--wait-for", "attitude_state")
     listener.listen("/attitude_state")
     listener.spin_until(lambda: listener.heard["/attitude_state"])
-    listener.listen("/note", kind=String, qos=latched(1))
+    listener.listen("/note", kind=String, qos=ros_qos(latched(1)))
     listener.spin_until(lambda: listener.heard["/note"])
     assert listener.heard["/note"] == [text("remember")]
     assert listener.steps("/attitude_state")[0] == 20
@@ -182,10 +183,10 @@ def test_a_live_controller_answers_a_replay_as_it_did_in_flight(
         controller.stdin.close()
         controller.wait(PATIENCE)
     player.end()
-    answers = [decode_torque(data) for data in listener.heard["/torque_command"]]
+    answers = [TORQUE.decode(data) for data in listener.heard["/torque_command"]]
     assert [answer.step for answer in answers] == list(range(20))
     commanded = read_flight(flown).trajectory.torque
-    assert np.array_equal([answer.torque for answer in answers], commanded)
+    assert np.array_equal([answer["torque"] for answer in answers], commanded)
 
 
 def test_without_a_subscriber_it_begins_when_its_patience_is_over(tmp_path: Path) -> None:

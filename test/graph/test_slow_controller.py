@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import rclpy
 from graph.comparison import assert_equals_simulation
+from node_messages import ends
 from rcl_interfaces.srv import GetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -19,7 +20,7 @@ from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import NodeDied
 from spacecraft_gnc.launcher.progress import Display
-from spacecraft_gnc.ros.topics import TORQUE
+from spacecraft_gnc.vehicles.rigid_body.signals import TORQUE
 
 pytestmark = pytest.mark.graph
 
@@ -100,7 +101,8 @@ class Questioner:
             executor.spin_until_future_complete(answer, PATIENCE)
             assert answer.result().values[0].integer_value == 5
             self.answered_after.append(time.perf_counter() - asked)
-        node.create_subscription(TORQUE.type, TORQUE.name, self.flown_on.set_result, TORQUE.qos)
+        kind, name, qos = ends(TORQUE)
+        node.create_subscription(kind, name, self.flown_on.set_result, qos)
         executor.spin_until_future_complete(self.flown_on, PATIENCE)
         node.destroy_node()
         executor.shutdown()

@@ -13,6 +13,8 @@ from recording.bags import definition
 
 from spacecraft_gnc.recording.schema_text import fields
 from spacecraft_gnc.scenario.shipped import shipped_file
+from spacecraft_gnc.signals import graph
+from spacecraft_gnc.vehicles.rigid_body import signals as rigid_body
 
 CONFIGS = {
     "3D": layouts.ThreeDeeConfig(),
@@ -26,16 +28,8 @@ CONFIGS = {
 @pytest.fixture(scope="module")
 def topics():
     """Return the type of every topic that a bag holds, by full name."""
-    pytest.importorskip("rclpy")
-    from spacecraft_gnc.ros.topics import TOPICS
-
-    return {
-        f"/{topic.name.strip('/')}": "/".join(
-            (topic.type.__module__.split(".")[0], "msg", topic.type.__name__)
-        )
-        for topic in TOPICS
-        if topic.recorded
-    }
+    signals = (*rigid_body.SIGNALS, *graph.SIGNALS)
+    return {f"/{s.name.strip('/')}": s.type for s in signals if s.recorded}
 
 
 def field_type(type_name, path):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from live.watching import Wall
+from node_messages import encode_reference, encode_state, ends
 from rclpy.node import Node
 from spacecraft_gnc_msgs.msg import WallTiming
 
@@ -16,26 +17,21 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.live.history import COLUMNS
 from spacecraft_gnc.analysis.live.picture import Phase
 from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Reference, Source, State
-from spacecraft_gnc.nodes._status import GovernorStatusEncoder, SolverStatusEncoder
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
-from spacecraft_gnc.ros import convert
 from spacecraft_gnc.ros.live_source import LiveSource
-from spacecraft_gnc.ros.topics import (
-    ACCEPTED_TARGET,
-    GOVERNOR_STATUS,
-    REFERENCE,
-    SOLVER_STATUS,
-    STATE,
-    TORQUE,
-    WALL_TIMING,
-)
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
+from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.signals.message import stamp_of
+from spacecraft_gnc.vehicles.rigid_body.outputs import Outputs
+from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, STATE, TORQUE
 
 ZERO = np.zeros(3)
 PERIOD_NS = 400_000_000
-GOVERNOR = GovernorStatusEncoder()
-SOLVER = SolverStatusEncoder("shooting", 5)
+OUTPUTS = Outputs(
+    SimpleNamespace(controller=SimpleNamespace(method="shooting", horizon=5, zones=()))
+)
 
 
 def turn(angle: float) -> np.ndarray:
@@ -61,7 +57,7 @@ class Stage:
         self.flyer = self.ros.add(Node("flyer"))
         topics = (STATE, REFERENCE, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, WALL_TIMING)
         for topic in topics:
-            publisher = self.flyer.create_publisher(topic.type, topic.name, topic.qos)
+            publisher = self.flyer.create_publisher(*ends(topic))
             self.publish[topic.name] = publisher.publish
             self.ros.spin_until(lambda p=publisher: p.get_subscription_count() == 1)
 
@@ -75,18 +71,15 @@ class Stage:
 
     def fly(self, step: int, *, alpha: float = 1.0) -> None:
         """Publish a step, and let its messages arrive in the order that is worst."""
-        stamp = convert.stamp_of(step, PERIOD_NS)
+        stamp = stamp_of(step, PERIOD_NS)
         torque = Command(np.array([0.0, 0.0, 1e-3 * step]), Source.SHIFTED_PLAN, None)
         decision = GovernorDecision(Reference(turn(0.5), ZERO, ZERO), alpha, True, 0.1, "", 1)
-        self.publish[STATE.name](
-            convert.encode_state(stamp, State(step, turn(0.1 * step), ZERO), ZERO)
-        )
-        self.publish[REFERENCE.name](
-            convert.encode_reference(stamp, step, Reference(turn(0.5), ZERO, ZERO))
-        )
-        self.publish[TORQUE.name](convert.encode_torque(stamp, step, torque))
-        self.publish[GOVERNOR_STATUS.name](GOVERNOR.encode(stamp, step, decision))
-        self.publish[SOLVER_STATUS.name](SOLVER.encode(stamp, step, torque, (2e-3, math.nan)))
+        state = State(step, turn(0.1 * step), ZERO)
+        self.publish[STATE.name](encode_state(stamp, state, ZERO))
+        told = OUTPUTS.controller(state, decision.reference, torque, (2e-3, math.nan))
+        for signal, value in (*OUTPUTS.governor(decision), *told):
+            if signal.name in self.publish:
+                self.publish[signal.name](signal.encode(stamp, step, value))
         timing = WallTiming(step=step, wall_elapsed=0.1 * step, missed_deadlines=3)
         timing.header.stamp.sec, timing.header.stamp.nanosec = stamp
         self.publish[WALL_TIMING.name](timing)
@@ -195,15 +188,13 @@ def test_another_flight_begins_with_an_empty_past(stage: Stage) -> None:
 
 def test_each_step_has_the_target_that_the_governor_took_last(stage: Stage) -> None:
     stage.take_off()
-    publisher = stage.flyer.create_publisher(
-        ACCEPTED_TARGET.type, ACCEPTED_TARGET.name, ACCEPTED_TARGET.qos
-    )
+    publisher = stage.flyer.create_publisher(*ends(ACCEPTED_TARGET))
     stage.fly(0)
     assert stage.source.picture().target is None
     for step, angle in ((1, 0.5), (3, 0.7)):
-        stamp = convert.stamp_of(step, PERIOD_NS)
+        stamp = stamp_of(step, PERIOD_NS)
         reference = Reference(turn(angle), ZERO, ZERO)
-        publisher.publish(convert.encode_reference(stamp, step, reference))
+        publisher.publish(encode_reference(stamp, step, reference))
     stage.ros.spin_until(lambda: len(stage.source._targets) == 2)
     for step in range(1, 5):
         stage.fly(step)
@@ -216,7 +207,7 @@ def test_each_step_has_the_target_that_the_governor_took_last(stage: Stage) -> N
 def test_a_broken_message_is_no_end(stage: Stage) -> None:
     stage.take_off()
     stage.fly(0)
-    data = bytearray(convert.encode_state((1, 0), State(1, turn(0.1), ZERO), ZERO))
+    data = bytearray(encode_state((1, 0), State(1, turn(0.1), ZERO), ZERO))
     data[60:68] = np.array([math.nan]).tobytes()
     stage.publish[STATE.name](bytes(data))
     stage.ros.spin_until(lambda: stage.source._step == 1)

@@ -22,7 +22,12 @@ from std_msgs.msg import String
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.nodes.recorder import RecorderNode
 from spacecraft_gnc.recording.bag import open_bag
-from spacecraft_gnc.ros.topics import ACCEPTED_TARGET, RECORD, STATE, TARGET, foreign
+from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.signals import graph
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, TARGET
+from spacecraft_gnc.signals.members import foreign
+from spacecraft_gnc.signals.qos import RECORD
+from spacecraft_gnc.vehicles.rigid_body.signals import SIGNALS, STATE
 
 MANY = RECORD.depth + 500  # messages: more than the recorder's reader keeps
 
@@ -65,10 +70,11 @@ def closed(ros: Any, recorder: RecorderNode, written: int) -> Path:
 
 
 def test_topics_that_are_not_of_the_graph() -> None:
-    assert foreign(["attitude_state", "/pose", "/clock", "*", "/mine", "yours"]) == (
-        "/mine",
-        "yours",
-    )
+    known = [("", signal) for signal in (*SIGNALS, *graph.SIGNALS)]
+    wanted = ["attitude_state", "/pose", "/clock", "*", "/mine", "yours"]
+    assert foreign(known, wanted) == ("/mine", "yours")
+    of_an_agent = [("sc1", signal) for signal in SIGNALS]
+    assert foreign(of_an_agent, ["sc1/pose", "pose", "/sc2/pose"]) == ("/sc2/pose",)
     assert STATE.is_recorded([])
     assert STATE.is_recorded(["*", "/mine"])
     assert not STATE.is_recorded(["/mine"])
@@ -218,7 +224,7 @@ def test_a_target_now_and_then_is_no_loss(ros: Any, recorder: Any, sender: Node)
     """Its steps are those of a flight, and most of them have none."""
     node = recorder("target_attitude", "accepted_target")
     topics = [
-        matched(ros, sender.create_publisher(AttitudeReference, topic.name, topic.qos))
+        matched(ros, sender.create_publisher(AttitudeReference, topic.name, ros_qos(topic.qos)))
         for topic in (TARGET, ACCEPTED_TARGET)
     ]
     for step in (40, 90):

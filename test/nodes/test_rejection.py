@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from node_messages import encode_reference, encode_state
 from rclpy.serialization import serialize_message
 from spacecraft_gnc_msgs.msg import AttitudeReference, AttitudeState, TorqueCommand
 
@@ -17,7 +18,8 @@ from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
-from spacecraft_gnc.ros import convert
+from spacecraft_gnc.signals.attitude import REFERENCE
+from spacecraft_gnc.vehicles.rigid_body.signals import TORQUE
 
 ZERO = np.zeros(3)
 IDENTITY = np.eye(3)
@@ -39,11 +41,11 @@ def started(node: GncNode) -> Any:
 
 
 def state(step: int, attitude: np.ndarray = IDENTITY, momentum: np.ndarray = ZERO) -> bytes:
-    return convert.encode_state((step, 0), State(step, attitude, momentum), ZERO)
+    return encode_state((step, 0), State(step, attitude, momentum), ZERO)
 
 
 def reference(step: int, attitude: np.ndarray = IDENTITY) -> bytes:
-    return convert.encode_reference((step, 0), step, Reference(attitude, ZERO, ZERO))
+    return encode_reference((step, 0), step, Reference(attitude, ZERO, ZERO))
 
 
 def with_nan(data: bytes, message_type: type, field: str) -> bytes:
@@ -79,7 +81,7 @@ def test_controller_and_governor_refuse_bad_states(ros: Any, bad: str) -> None:
         node._on_state(state(2))  # one that joins in mid-flight answers the repeat
         node._on_state(BAD_STATES[bad]())
         assert node.refused == 1
-    assert controller._state.step == 2
+    assert controller._step == 2
     assert governor._step == 2
     governor._on_state(state(3))  # life goes on
     assert governor._step == 3
@@ -122,12 +124,14 @@ def test_plant_refuses_bad_torques(ros: Any) -> None:
     nan = TorqueCommand(step=0)
     nan.torque.y = math.nan
     for message in (bad, nan, TorqueCommand(step=5)):
-        plant._on_torque(serialize_message(message))
+        plant._on_command(plant._agents[""], serialize_message(message))
     assert plant.refused == 3
     assert plant.step == 0
-    plant._on_torque(serialize_message(good))
+    plant._on_command(plant._agents[""], serialize_message(good))
     assert plant.step == 1
-    plant._on_torque(serialize_message(good))  # the same once more: no harm, no step
+    plant._on_command(
+        plant._agents[""], serialize_message(good)
+    )  # the same once more: no harm, no step
     assert plant.step == 1
     assert plant.refused == 3
 
@@ -135,7 +139,7 @@ def test_plant_refuses_bad_torques(ros: Any) -> None:
 def test_a_repeated_state_is_answered_by_the_same_bytes(ros: Any) -> None:
     controller = started(ros.add(ControllerNode()))
     sent: list[bytes] = []
-    controller._publish_torque = sent.append
+    controller._outlets[TORQUE] = sent.append
     controller._on_reference(reference(0))
     controller._on_state(state(0))
     controller._on_state(state(0))
@@ -146,7 +150,7 @@ def test_a_repeated_state_is_answered_by_the_same_bytes(ros: Any) -> None:
 def test_the_controller_waits_for_its_tick(ros: Any) -> None:
     controller = started(ros.add(ControllerNode()))
     sent: list[bytes] = []
-    controller._publish_torque = sent.append
+    controller._outlets[TORQUE] = sent.append
     for _ in range(2):  # one that joins in mid-flight answers the repeat
         controller._on_state(state(4))
     controller._on_reference(reference(4))
@@ -163,8 +167,8 @@ def test_who_joins_in_mid_flight_answers_the_repeat(ros: Any, step: int, asked: 
     governor = started(ros.add(GovernorNode()))
     torques: list[bytes] = []
     references: list[bytes] = []
-    controller._publish_torque = torques.append
-    governor._publish_reference = references.append
+    controller._outlets[TORQUE] = torques.append
+    governor._outlets[REFERENCE] = references.append
     controller._due = step
     controller._on_reference(reference(step))
     for number in range(1, asked + 1):
@@ -176,7 +180,7 @@ def test_who_joins_in_mid_flight_answers_the_repeat(ros: Any, step: int, asked: 
 def test_who_is_not_matched_yet_is_not_heard(ros: Any) -> None:
     governor = started(ros.add(GovernorNode()))
     references: list[bytes] = []
-    governor._publish_reference = references.append
+    governor._outlets[REFERENCE] = references.append
     governor._called = False
     for _ in range(3):
         governor._on_state(state(4))
@@ -190,7 +194,7 @@ def test_who_is_not_matched_yet_is_not_heard(ros: Any) -> None:
 def test_who_is_never_matched_answers_in_the_end(ros: Any) -> None:
     governor = started(ros.add(GovernorNode()))
     references: list[bytes] = []
-    governor._publish_reference = references.append
+    governor._outlets[REFERENCE] = references.append
     governor._called = False
     asked = 0
     while not references:

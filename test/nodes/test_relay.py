@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 from live.test_foxglove import HEADER, MESSAGE, App
 from rclpy.node import Node
@@ -21,10 +20,12 @@ from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 
 from spacecraft_gnc.ros import relay as _relay
-from spacecraft_gnc.ros.cdr import encode
 from spacecraft_gnc.ros.endpoints import Endpoint, TopicInfo
+from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.ros.relay import Relay
-from spacecraft_gnc.ros.topics import latched
+from spacecraft_gnc.signals.attitude import POSE
+from spacecraft_gnc.signals.graph import CLOCK
+from spacecraft_gnc.signals.qos import latched
 
 pytest.importorskip("foxglove")
 ROOT = Path(__file__).resolve().parents[2]
@@ -94,7 +95,7 @@ def test_nothing_is_shown_at_wall_time_where_a_clock_is_about_to_tick(relayed: A
     relay.look()
     graph.say["/a_pose"](b"before")
     assert sent == []
-    tick = encode(Clock(clock=Time(sec=7, nanosec=250_000_000)))
+    tick = CLOCK.encode((0, 0), 0, [(7, 250_000_000)])
     graph.say["/clock"](tick)
     graph.say["/a_pose"](b"after")
     assert sent == [
@@ -118,18 +119,15 @@ def test_a_clock_that_is_silent_holds_nobody_up(relayed: Any, monkeypatch: Any) 
 
 def test_topics_of_any_package_reach_the_app(ros: Any) -> None:
     node = ros.add(Node("talker"))
-    pose = PoseStamped()
-    pose.header.frame_id = "inertial"
-    pose.pose.orientation.w = 0.5
-    clock = Clock()
-    clock.clock.sec, clock.clock.nanosec = divmod(TIME, 10**9)
-    node.create_publisher(PoseStamped, "once", latched(1)).publish(encode(pose))
+    pose = POSE.encode((0, 0), 0, [(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.5)])
+    clock = CLOCK.encode((0, 0), 0, [divmod(TIME, 10**9)])
+    node.create_publisher(PoseStamped, "once", ros_qos(latched(1))).publish(pose)
     often = node.create_publisher(PoseStamped, "often", 10)
     ticks = node.create_publisher(Clock, "/clock", 10)
 
     def talk() -> None:
-        ticks.publish(encode(clock))
-        often.publish(encode(pose))
+        ticks.publish(clock)
+        often.publish(pose)
 
     timer = node.create_timer(0.05, talk)
     command = [sys.executable, "-m", "spacecraft_gnc", "view", "--foxglove", "--json"]
@@ -155,9 +153,9 @@ def test_topics_of_any_package_reach_the_app(ros: Any) -> None:
         ros.spin_until(lambda: view.poll() is not None)
     node.destroy_timer(timer)
     assert view.returncode == 0
-    assert listener.found["/often"][1] == encode(pose)
-    assert listener.found["/once"][1] == encode(pose)
-    assert listener.found["/clock"][1] == encode(clock)
+    assert listener.found["/often"][1] == pose
+    assert listener.found["/once"][1] == pose
+    assert listener.found["/clock"][1] == clock
     channel = listener.app.channels["/often"]
     assert (channel["schemaName"], channel["encoding"]) == ("geometry_msgs/msg/PoseStamped", "cdr")
     assert "MSG: geometry_msgs/Quaternion" in channel["schema"]

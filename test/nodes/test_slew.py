@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
 from geometry_msgs.msg import Quaternion
+from node_messages import decode_reference, encode_reference, encode_state, ends
 from rclpy.action import ActionClient
 from rclpy.node import Node
 from spacecraft_gnc_msgs.action import SlewTo
@@ -16,8 +17,7 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import State
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
-from spacecraft_gnc.ros import convert
-from spacecraft_gnc.ros.topics import ACCEPTED_TARGET
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET
 
 ZERO = np.zeros(3)
 
@@ -34,10 +34,8 @@ class Flight:
         self.client = ActionClient(self.client_node, SlewTo, "slew_to")
         self.feedback: list[SlewTo.Feedback] = []
         self.accepted: list[tuple[int, float]] = []
-        topic = ACCEPTED_TARGET
-        self.client_node.create_subscription(
-            topic.type, topic.name, self._note_target, topic.qos, raw=True
-        )
+        kind, topic, qos = ends(ACCEPTED_TARGET)
+        self.client_node.create_subscription(kind, topic, self._note_target, qos, raw=True)
         self.step = -1
 
     def send(self, angle: float, **goal: Any) -> tuple[Any, Any]:
@@ -56,13 +54,13 @@ class Flight:
 
     def fly(self, angle: float, rate: float = 0.0) -> None:
         self.step += 1
-        data = convert.encode_state(
+        data = encode_state(
             (self.step, 0), State(self.step, turn(angle), ZERO), np.array([0.0, 0.0, rate])
         )
         self.governor._on_state(data)
 
     def _note_target(self, data: bytes) -> None:
-        step, reference = convert.decode_reference(data)
+        step, reference = decode_reference(data)
         self.accepted.append((step, float(lie.log(reference.attitude)[2])))
 
     def result(self, future: Any) -> tuple[int, Any]:
@@ -127,7 +125,7 @@ def test_a_target_on_the_topic_replaces_the_goal(flight: Flight) -> None:
 
     _, result = flight.send(0.5)
     target = Reference(turn(0.1), ZERO, ZERO)
-    flight.governor._on_target(convert.encode_reference((0, 0), 0, target))
+    flight.governor._on_target(encode_reference((0, 0), 0, target))
     status, answer = flight.result(result)
     assert status == GoalStatus.STATUS_ABORTED
     assert "target_attitude" in answer.message

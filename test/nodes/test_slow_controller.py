@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from node_messages import encode_reference, encode_state, ends, torque_step
 from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node
 
@@ -16,10 +17,10 @@ from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.loop import Command, Reference, State
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
-from spacecraft_gnc.ros import convert
-from spacecraft_gnc.ros.topics import CLOCK
+from spacecraft_gnc.signals.graph import CLOCK
 from spacecraft_gnc.vehicles.rigid_body import descriptor
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
+from spacecraft_gnc.vehicles.rigid_body.signals import TORQUE
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
 ZERO = np.zeros(3)
@@ -64,7 +65,7 @@ def controller(ros: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
     monkeypatch.setattr(descriptor, "VEHICLE", vehicle)
     node = activated(ros.add(ControllerNode()))
     node.sent = []
-    node._publish_torque = node.sent.append
+    node._outlets[TORQUE] = node.sent.append
     yield node
     Gated.gate.release(9)  # no thread outlives its test
     node.trigger_shutdown()
@@ -79,11 +80,11 @@ def activated(node: ControllerNode) -> Any:
 
 
 def state(step: int) -> bytes:
-    return convert.encode_state((step, 0), State(step, TURNED, ZERO), ZERO)
+    return encode_state((step, 0), State(step, TURNED, ZERO), ZERO)
 
 
 def reference(step: int) -> bytes:
-    return convert.encode_reference((step, 0), step, Reference(np.eye(3), ZERO, ZERO))
+    return encode_reference((step, 0), step, Reference(np.eye(3), ZERO, ZERO))
 
 
 def ask(controller: Any, step: int) -> None:
@@ -92,7 +93,7 @@ def ask(controller: Any, step: int) -> None:
 
 
 def steps(controller: Any) -> list[int]:
-    return [convert.decode_torque(data).step for data in controller.sent]
+    return [torque_step(data) for data in controller.sent]
 
 
 def test_the_node_is_responsive_while_it_solves(ros: Any, controller: Any) -> None:
@@ -106,9 +107,9 @@ def test_the_node_is_responsive_while_it_solves(ros: Any, controller: Any) -> No
     Gated.await_solve()  # from here on the second solve waits for us
     ros.spin_until(lambda: reports)
     client = ros.add(Node("client"))
-    clock = client.create_publisher(CLOCK.type, CLOCK.name, CLOCK.qos)
+    clock = client.create_publisher(*ends(CLOCK))
     ros.spin_until(clock.get_subscription_count)
-    clock.publish(convert.encode_clock((7, 0)))
+    clock.publish(CLOCK.encode((7, 0), 0, [(7, 0)]))
     ros.spin_until(lambda: controller.get_clock().now().nanoseconds == 7_000_000_000)
     service = client.create_client(GetParameters, "nmpc_controller/get_parameters")
     ros.spin_until(service.service_is_ready)
@@ -207,12 +208,12 @@ def test_a_node_configured_anew_does_not_wait_for_it(
         assert getattr(controller, f"trigger_{transition}")().name == "SUCCESS"
     assert worker._thread.is_alive()
     sent: list[bytes] = []
-    controller._publish_torque = sent.append
+    controller._outlets[TORQUE] = sent.append
     controller._due = 100
     ask(controller, 0)
     Gated.gate.release(2)
     ros.spin_until(lambda: sent and not worker.busy)
-    assert [convert.decode_torque(data).step for data in sent] == [0]
+    assert [torque_step(data) for data in sent] == [0]
 
 
 def test_an_exception_in_the_thread_ends_the_node(ros: Any, controller: Any) -> None:
@@ -225,7 +226,7 @@ def test_an_exception_in_the_thread_ends_the_node(ros: Any, controller: Any) -> 
 
 
 def test_so_does_one_in_what_is_done_with_the_result(ros: Any, controller: Any) -> None:
-    controller._publish_torque = None
+    controller._outlets[TORQUE] = None
     ask(controller, 0)
     Gated.gate.release()
     ros.spin_until(lambda: controller.finished)

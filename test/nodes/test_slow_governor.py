@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
 from geometry_msgs.msg import Quaternion
+from node_messages import decode_reference, encode_reference, encode_state
 from rcl_interfaces.srv import GetParameters
 from rclpy.action import ActionClient
 from rclpy.node import Node
@@ -23,7 +24,7 @@ from spacecraft_gnc.loop import Reference, State
 from spacecraft_gnc.loop.protocols import GovernorDecision
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
-from spacecraft_gnc.ros import convert
+from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.vehicles.rigid_body import descriptor
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
@@ -62,6 +63,10 @@ class Gated(PassThroughGovernor):
         return super().decide(state)
 
     @classmethod
+    def from_scenario(cls, scenario: Any) -> Any:
+        return cls(lie.exp(scenario.governor.target_rotation_vector))
+
+    @classmethod
     def await_decision(cls) -> None:
         assert cls.begun.acquire(timeout=PATIENCE)
 
@@ -84,7 +89,7 @@ def governor(ros: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
     assert node.trigger_configure().name == "SUCCESS"
     assert node.trigger_activate().name == "SUCCESS"
     node.sent = []
-    node._publish_reference = node.sent.append
+    node._outlets[REFERENCE] = node.sent.append
     yield node
     Gated.gate.release(9)  # no thread outlives its test
     node.trigger_shutdown()
@@ -95,17 +100,17 @@ def turn(angle: float) -> np.ndarray:
 
 
 def ask(governor: Any, step: int) -> None:
-    governor._on_state(convert.encode_state((step, 0), State(step, turn(0.2), ZERO), ZERO))
+    governor._on_state(encode_state((step, 0), State(step, turn(0.2), ZERO), ZERO))
 
 
 def aim(governor: Any, angle: float) -> None:
     target = Reference(turn(angle), ZERO, ZERO)
-    governor._on_target(convert.encode_reference((0, 0), 0, target))
+    governor._on_target(encode_reference((0, 0), 0, target))
 
 
 def answers(governor: Any) -> list[tuple[int, float]]:
     """Steps answered, and angles of the references."""
-    found = [convert.decode_reference(data) for data in governor.sent]
+    found = [decode_reference(data) for data in governor.sent]
     angles = [lie.angle_between(np.eye(3), reference.attitude) for _, reference in found]
     return [(step, round(angle, 9)) for (step, _), angle in zip(found, angles, strict=True)]
 

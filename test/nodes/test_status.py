@@ -11,9 +11,9 @@ from spacecraft_gnc_msgs.msg import SolverStatus
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop import Command, Reference, Source, Standstill, State
-from spacecraft_gnc.nodes._status import SolverStatusEncoder
-from spacecraft_gnc.ros.cdr import encode
 from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.vehicles.rigid_body.outputs import Outputs
+from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS
 
 HORIZON = 5
 ZONE = {"body_axis": [1.0, 0.0, 0.0], "inertial_axis": [0.0, 0.0, 1.0], "half_angle_deg": 5.0}
@@ -22,19 +22,20 @@ TARGET = Reference(np.eye(3), np.zeros(3), np.zeros(3))
 WALL = (0.25, math.nan)
 
 
+SECTION = {"horizon": HORIZON, "zone_names": ["star"], "zones": {"star": ZONE}}
+INERTIA = np.diag([1.0, 0.8, 0.8]).ravel().tolist()
+SCENARIO = from_sections({"plant": {"inertia": INERTIA}, "nmpc_controller": SECTION})
+
+
 @pytest.fixture
 def solved() -> Command:
-    section = {"horizon": HORIZON, "zone_names": ["star"], "zones": {"star": ZONE}}
-    inertia = np.diag([1.0, 0.8, 0.8]).ravel().tolist()
-    scenario = from_sections({"plant": {"inertia": inertia}, "nmpc_controller": section})
-    return scenario.build_controller().command(START, TARGET)
+    return SCENARIO.build_controller().command(START, TARGET)
 
 
 def decoded(command: Command) -> SolverStatus:
-    data = SolverStatusEncoder("shooting", HORIZON).encode((1, 2), 3, command, WALL)
-    message = deserialize_message(data, SolverStatus)
-    assert encode(message) == data
-    return message
+    told = dict(Outputs(SCENARIO).controller(START, TARGET, command, WALL))
+    data = SOLVER_STATUS.encode((1, 2), 3, told[SOLVER_STATUS])
+    return deserialize_message(data, SolverStatus)
 
 
 def test_a_solve(solved: Command) -> None:

@@ -9,10 +9,11 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.trajectory import Trajectory
-from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
+from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.schema_text import schema_text
 from spacecraft_gnc.recording.steps import SPARSE
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.signals.qos import QosProfile
 
 MESSAGES = Path(__file__).parents[2] / "msg_defs" / "msg"
 PERIOD = 0.4  # [s]

@@ -11,9 +11,10 @@ from recording.bags import CODEC, announce, flight_messages, random_flight, reco
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.playback import CLOCK, Playback, strongest
-from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
+from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.signals.qos import QosProfile
 
 ORDER = [
     "/attitude_state",

@@ -19,6 +19,8 @@ from recording.bags import record
 
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.signals import graph
+from spacecraft_gnc.vehicles.rigid_body import signals as rigid_body
 
 ROOT = Path(__file__).resolve().parents[2]
 READERS = ROOT / "test" / "readers"
@@ -96,7 +98,7 @@ def every_type(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from visualization_msgs.msg import Marker, MarkerArray
 
     from spacecraft_gnc.ros.bag_topics import announce
-    from spacecraft_gnc.ros.topics import TOPICS
+    from spacecraft_gnc.ros.endpoints import message_type
 
     nested = {
         MarkerArray: MarkerArray(markers=[Marker(ns="zone", text="star")]),
@@ -106,10 +108,10 @@ def every_type(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     folder = tmp_path_factory.mktemp("types") / "bag"
     with BagWriter(folder) as writer:
-        for topic in TOPICS:
-            name = f"/{topic.name.strip('/')}"
-            announce(writer, name, topic.type, [topic.qos], gapless=False)
-            data = bytes(serialize_message(nested.get(topic.type, topic.type())))
+        for signal in (*rigid_body.SIGNALS, *graph.SIGNALS):
+            name, kind = f"/{signal.name.strip('/')}", message_type(signal.type)
+            announce(writer, name, signal.type, [signal.qos], gapless=False)
+            data = bytes(serialize_message(nested.get(kind, kind())))
             for step in range(2):
                 writer.write(name, step, step, data)
     return folder

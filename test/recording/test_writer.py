@@ -15,9 +15,10 @@ from rosbags.interfaces import QosDurability, QosReliability
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording import writer as writer_module
-from spacecraft_gnc.recording.qos import QosProfile, qos_yaml
+from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.signals.qos import QosProfile
 
 STRING = "std_msgs/msg/String"
 FLIGHT = random_flight(12)

@@ -186,7 +186,7 @@ def test_an_unpadded_end_is_read() -> None:
 
 @pytest.mark.parametrize("cut", [*range(0, 188, 7), 185, 186, 187])
 def test_messages_that_were_cut_off_are_refused(cut: int) -> None:
-    data = STATE.encode((0, 0), 1, rigid_body.Motion(_state(), np.zeros(3)))
+    data = STATE.encode((0, 0), 1, rigid_body.StateAndRate(_state(), np.zeros(3)))
     with pytest.raises(Refused, match="no AttitudeState"):
         STATE.read(data[:cut])
 

@@ -38,4 +38,6 @@ VEHICLE: Final = Vehicle(
     metrics=_lazy("metrics.summary:summarize"),
     figures=_lazy("pictures:FIGURES"),
     report=_lazy("report:REPORT"),
+    signals=_lazy("signals:SIGNALS"),
+    outputs=_lazy("outputs:Outputs"),
 )

@@ -1,88 +1,92 @@
-"""What the nodes of a rigid spacecraft publish at each step."""
+"""What the controller and the governor of a rigid spacecraft publish at each step."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Reference, State
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import (
+    ACCEPTED_TARGET,
     ATTITUDE_ERROR,
     GOVERNOR_STATUS,
-    POSE,
     REFERENCE,
+    at_rest,
     error_of,
-    pose_of,
 )
-from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
-from spacecraft_gnc.vehicles.rigid_body.signals import (
-    INVARIANTS,
-    SOLVER_STATUS,
-    STATE,
-    TORQUE,
-    Motion,
-    Torque,
-)
+from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.vehicles.rigid_body.markers import zone_markers
+from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, TORQUE, ZONE_MARKERS
 
-Outputs = list[tuple[Signal, Any]]
+Told = list[tuple[Signal, Any]]
 """Signals with their values, in the order in which they are published."""
 _NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
 _NO_COSTATE: Final = [math.nan] * 6
 
 
-def plant_outputs(plant: RigidBodyPlant, applied: Torque, pose_every: int) -> Outputs:
-    """Return what the plant tells at the start of a step; the state first.
+class HasController(Protocol):
+    """What of a scenario is needed."""
+
+    @property
+    def controller(self) -> Any:
+        """Parameters of the controller."""
+
+
+class Outputs:
+    """What the nodes of one spacecraft tell.
 
     Parameters
     ----------
-    plant
-        At that step.
-    applied
-        What acted over the step that ended now.
-    pose_every
-        Steps between two poses; 0: none.
-    """
-    state, invariants = plant.state, plant.invariants()
-    outputs: Outputs = [
-        (STATE, Motion(state, plant.angular_velocity())),
-        (INVARIANTS, (*invariants, applied.torque, int(applied.source))),
-    ]
-    if pose_every and state.step % pose_every == 0:
-        outputs.append((POSE, pose_of(state.attitude)))
-    return outputs
-
-
-def governor_outputs(decision: GovernorDecision) -> Outputs:
-    """Return what the governor tells of a decision; the reference first."""
-    return [(REFERENCE, decision.reference), (GOVERNOR_STATUS, decision)]
-
-
-class ControllerOutputs:
-    """What the controller tells of a command; the command first.
-
-    Parameters
-    ----------
-    method
-        The controller's name.
-    horizon
-        Steps of the horizon, for messages without a solve.
+    scenario
+        What flies.
     """
 
-    def __init__(self, method: str, horizon: int) -> None:
-        self._method = method
+    def __init__(self, scenario: HasController) -> None:
+        parameters = scenario.controller
+        self._method = parameters.method
+        self._zones = parameters.zones
+        horizon = parameters.horizon
         widths = (9 * horizon + 9, 3 * horizon + 3, 3 * horizon)
         self._no_plan = [[math.nan] * width for width in widths]
 
-    def __call__(
+    def setup(self) -> Told:
+        """Return what the controller tells once, when it starts."""
+        return [(ZONE_MARKERS, (zone_markers(self._zones),))]
+
+    def controller(
         self, state: State, reference: Reference, command: Command, wall: tuple[float, float]
-    ) -> Outputs:
-        """Return the outputs; ``wall``: time of the solve and slack to the deadline [s]."""
+    ) -> Told:
+        """Return what the controller tells of a command, which comes first.
+
+        Parameters
+        ----------
+        state, reference, command
+            Of the step.
+        wall
+            Wall time of the solve, and what was left until the deadline [s].
+        """
         return [
             (TORQUE, command),
             (SOLVER_STATUS, self._status(command, wall)),
             (ATTITUDE_ERROR, error_of(state.attitude, reference)),
         ]
+
+    def progress(self, state: State, reference: Reference, command: Command) -> dict[str, Any]:
+        """Return what a progress display shows of a step."""
+        return {
+            "attitude_error": lie.angle_between(state.attitude, reference.attitude),
+            "wall_solve_time": command.solution.solve_time if command.solution else math.nan,
+        }
+
+    def governor(self, decision: GovernorDecision) -> Told:
+        """Return what the governor tells of a decision; the reference first."""
+        return [(REFERENCE, decision.reference), (GOVERNOR_STATUS, decision)]
+
+    def accepted(self, target: Matrix3) -> Told:
+        """Return what the governor tells of a target (3, 3) that it took in flight."""
+        return [(ACCEPTED_TARGET, at_rest(target))]
 
     def _status(self, command: Command, wall: tuple[float, float]) -> tuple[Any, ...]:
         """Return the fields of SolverStatus."""

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.loop.protocols import Invariants, State
+from spacecraft_gnc.loop.protocols import Invariants, Source, State
 from spacecraft_gnc.plant.disturbances import Disturbances, Motion, build
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.attitude import POSE, pose_of
 from spacecraft_gnc.types import (
     ArrayLike,
     Vector3,
@@ -20,6 +22,7 @@ from spacecraft_gnc.types import (
     read_only,
 )
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
+from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, STATE, StateAndRate
 
 _NO_TORQUE: Final = read_only(np.zeros(3))
 
@@ -41,6 +44,8 @@ class RigidBodyPlant:
         Integrator steps in one control period, over which the torque is held.
     disturbances : Disturbances, optional
         External torques, whose sum is held over the control period like the torque.
+    pose_every : int
+        Control steps between two poses for viewers; 0: none.
 
     Raises
     ------
@@ -56,12 +61,14 @@ class RigidBodyPlant:
         n_steps: int,
         substeps: int = 1,
         disturbances: Disturbances | None = None,
+        pose_every: int = 0,
     ) -> None:
         remedy = "lengthen the duration to one control period or more"
         self.body = require_kind("body", body, RigidBody)
         self.inertia = body.inertia
         self.substeps = as_count("substeps", substeps)
         self.period = self.substeps * body.time_step
+        self._pose_every = pose_every
         self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
         initial = State(0, as_rotation("attitude", attitude), as_vector3("momentum", momentum))
         body.require_solvable("momentum", initial.momentum)
@@ -81,7 +88,13 @@ class RigidBodyPlant:
             scenario.n_steps,
             scenario.substeps,
             build(p, inertia),
+            pose_every=p.pose_every,
         )
+
+    @property
+    def idle_control(self) -> Vector3:
+        """Torque (3,) where no command came [N m]."""
+        return np.zeros(3)
 
     @property
     def state(self) -> State:
@@ -132,6 +145,20 @@ class RigidBodyPlant:
     def angular_velocity(self) -> Vector3:
         """Body rate (3,) of the current state [rad/s]."""
         return self.body.angular_velocity(self._state.momentum)
+
+    def outputs(self, applied: tuple[Vector3, Source]) -> list[tuple[Signal, Any]]:
+        """Return what is published at the start of the current step, the state first.
+
+        ``applied``: torque (3,) [N m] and its source over the step that ended now.
+        """
+        state, (torque, source) = self._state, applied
+        outputs: list[tuple[Signal, Any]] = [
+            (STATE, StateAndRate(state, self.angular_velocity())),
+            (INVARIANTS, (*self.invariants(), torque, int(source))),
+        ]
+        if self._pose_every and state.step % self._pose_every == 0:
+            outputs.append((POSE, pose_of(state.attitude)))
+        return outputs
 
     def warm_up(self) -> None:
         """Load the integrator's kernels."""

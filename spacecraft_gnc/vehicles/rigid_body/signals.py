@@ -29,7 +29,7 @@ _SOURCE: Final = Rule(most=max(Source))
 _SOURCES: Final = tuple(Source)
 
 
-class Motion(NamedTuple):
+class StateAndRate(NamedTuple):
     """A state, and the body rate that the inertia makes of its momentum."""
 
     state: State
@@ -45,7 +45,7 @@ class Torque(NamedTuple):
     source: Source
 
 
-def _pack_motion(motion: Motion) -> tuple[Any, ...]:
+def _pack_motion(motion: StateAndRate) -> tuple[Any, ...]:
     _, attitude, momentum = motion.state
     return attitude, quaternion_of(attitude), momentum, motion.angular_velocity
 

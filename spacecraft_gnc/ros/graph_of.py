@@ -1,0 +1,61 @@
+"""The graph of a scenario: its agents, their signals, and what their nodes tell."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
+from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.signals import Signal, graph
+from spacecraft_gnc.signals.graph import PLANT
+from spacecraft_gnc.signals.members import Members, foreign
+from spacecraft_gnc.vehicles.registry import vehicle_of
+from spacecraft_gnc.vehicles.vehicle import Vehicle
+
+
+def agents_of(scenario: Scenario) -> Mapping[str, Scenario]:
+    """Return the scenario of each agent by its namespace in the graph; empty: the graph's own."""
+    return {"": scenario}
+
+
+def members_of(scenario: Scenario) -> Members:
+    """Return the nodes of the graph."""
+    return Members((PLANT, *scenario.plant.peers), scenario.recorder.topics)
+
+
+def vehicle_signals(vehicle: Vehicle | None = None) -> tuple[Signal, ...]:
+    """Return the signals of a vehicle; None: of the one that flies unless a scenario says so."""
+    known = vehicle_of(DEFAULT_VEHICLE) if vehicle is None else vehicle
+    signals: tuple[Signal, ...] = () if known.signals is None else known.signals.load()
+    return signals
+
+
+def signals_of(scenario: Scenario) -> list[tuple[str, Signal]]:
+    """Return (agent, signal) of every vehicle, and the signals of the graph."""
+    agents = agents_of(scenario).items()
+    own = [(agent, signal) for agent, one in agents for signal in vehicle_signals(one.vehicle)]
+    return [*own, *(("", signal) for signal in graph.SIGNALS)]
+
+
+def foreign_topics(scenario: Scenario) -> tuple[str, ...]:
+    """Return what the recorder is asked for and the graph does not have."""
+    return foreign(signals_of(scenario), scenario.recorder.topics)
+
+
+def outputs_of(scenario: Scenario) -> Any:
+    """Return what tells the nodes of a vehicle what to publish.
+
+    Raises
+    ------
+    LaunchError
+        If the vehicle has nothing to tell, and cannot fly as a graph.
+    """
+    vehicle = scenario.vehicle
+    if vehicle.outputs is None or vehicle.signals is None:
+        raise LaunchError(
+            f"plant.vehicle: received {vehicle.name!r}, which declares no signals; required a "
+            "vehicle with signals and outputs to fly as a graph; use `gnc simulate`"
+        )
+    return vehicle.outputs.load()(scenario)
