@@ -96,7 +96,7 @@ def make_bag(folder: Path, file: Path, steps: int) -> Path:
             command = loop.controller.command(state, decision.reference)
             recording.answers(state, decision, command)
             applied = (command.torque, command.source)
-            loop.plant.step(command.torque)
+            loop.plant.step(command.control)
         recording.state(loop.plant, applied)
     return folder / "bag"
 

@@ -29,15 +29,14 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from spacecraft_gnc.scenario.checked import plain_values
-
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.launcher.domain import claim_free
 from spacecraft_gnc.launcher.environment import DOMAIN_ID, prepare
+from spacecraft_gnc.parameters.checked import plain_values
+from spacecraft_gnc.parameters.sections import NODE_NAMES
 from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.scenario import Scenario, load
 from spacecraft_gnc.scenario.node_sections import add_file, given_to, node_names
-from spacecraft_gnc.scenario.schema import NODE_NAMES
 
 CONFIG = Path(__file__).parents[1] / "config"
 CPU_LIMIT = 10.0  # [s] of one case

@@ -133,7 +133,7 @@ def fly(
             command = loop.controller.command(state, decision.reference)
             recorder.command(k, command, loop.controller.name)
             misses = misses + 1 if k in late else 0
-            last = last if misses else (command.torque, command.source)
+            last = last if misses else (command.control, command.source)
             gone = misses > scenario.plant.max_held_steps
             applied, source = (np.zeros(3), Source.ZERO) if gone else last
             recorder.timing(k + 1, held=len([step for step in late if step <= k]))
@@ -230,14 +230,14 @@ class _Recorder:
         )  # fmt: skip
 
     def command(self, k: int, command: Any, method: str) -> None:
-        torque = CODEC.vector(command.torque)
+        torque = CODEC.vector(command.control)
         source = int(command.source)
         self._write("torque_command", "TorqueCommand", k, "body", torque=torque, source=source)
         self._write("solver_status", "SolverStatus", k, "body", method=method, **_solve(command))
 
 
 def _solve(command: Any) -> dict[str, Any]:
-    found, standstill = command.solution, command.standstill
+    found, standstill = (None, None) if command.report is None else command.report
     wall = {"wall_solve_time": 1e-4, "wall_deadline_slack": math.nan}
     if found is None:
         names = ("residual", "cost", "torque_margin", "min_curvature", "closed_loop_radius")

@@ -28,7 +28,7 @@ from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.route import RoutePlanner
 from spacecraft_gnc.governors.search import GeodesicSearch
-from spacecraft_gnc.loop import ClosedLoop, State, Trajectory
+from spacecraft_gnc.loop import ClosedLoop, State
 from spacecraft_gnc.ocp import (
     AttitudeOcp,
     FsolveSolver,
@@ -51,6 +51,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     ShootingController,
     SolverController,
 )
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 
 INERTIA = np.diag([1.0, 0.8, 0.7])  # [kg m^2]
@@ -474,7 +475,7 @@ CASES = {
         {"feedback": FEEDBACK, "period": 0.5},
         {"feedback": "object", "period": "positive"},
     ),
-    "Trajectory.load": Case(Trajectory.load, {"path": None}, {"path": "path"}),
+    "RigidBodyFlight.load": Case(RigidBodyFlight.load, {"path": None}, {"path": "path"}),
     "scenario.load": Case(
         scenario.load, {"path": CASE1, "overrides": ()}, {"path": "path", "overrides": "overrides"}
     ),

@@ -27,7 +27,7 @@ def test_a_flight_says_how_far_it_came() -> None:
     flight = SCENARIO.build().run()
     error = np.degrees(lie.angle_between(flight.final_reference, flight.final_attitude))
     text = repr(flight)
-    assert text.startswith("Trajectory(20 steps of 0.4 s, 8 s in all, ")
+    assert text.startswith("Flight(20 steps of 0.4 s, 8 s in all, ")
     assert f" to {error:.4g} deg from the reference, largest torque 0.01 N m, 20 of 20 " in text
     assert "\n" not in text
 

@@ -12,6 +12,7 @@ from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import flight_namespace
 from spacecraft_gnc.scenario.recorded import parse_scenario, scenario_texts
+from spacecraft_gnc.vehicles import registry
 
 NPZ_SUFFIX: Final = ".npz"
 
@@ -62,9 +63,9 @@ def load_run(
 
 
 def _read_npz(path: Path) -> Flight:
-    trajectory, text = Trajectory.load(path), Trajectory.load_scenario(path)
-    defaults = Trajectory.load_defaults(path)
+    text, defaults = Trajectory.load_scenario(path), Trajectory.load_defaults(path)
     scenario, problem = parse_scenario(text, path, defaults=defaults)
+    trajectory = registry.flight_of(None if scenario is None else scenario.vehicle).load(path)
     info = RunInfo(path=path, scenario=scenario, scenario_text=text, scenario_problem=problem)
     return Flight(trajectory, info)
 

@@ -29,9 +29,8 @@ from spacecraft_gnc.errors import GncError, ParameterError
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.closed_loop import ClosedLoop
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
 
-_BYTES_PER_STEP = 31 * 8  # numbers that a `Trajectory` keeps of each step
 _NOTHING = "-"  # a row without a value is left out
 OutOption = Annotated[
     Path | None,
@@ -57,13 +56,14 @@ def simulate(
     """Fly a scenario without ROS: the same cores, the same numbers as `gnc launch`."""
     from spacecraft_gnc.analysis.metrics import summarize
     from spacecraft_gnc.scenario import load
+    from spacecraft_gnc.vehicles import registry
 
     checked = load(scenario, overrides or (), namespace)
     if out is not None:
         require_writable(out, ".npz")
     if not (quiet or as_json):
         tell_warnings(checked)
-    require_memory(checked.n_steps)
+    require_memory(checked.n_steps, registry.flight_of(checked.vehicle).bytes_per_step())
     loop = checked.build()
     for core in (loop.plant, loop.controller, loop.governor):
         core.warm_up()  # loads the kernels, which is no part of the flight
@@ -91,7 +91,7 @@ def _tell(
         print(f"  written to {out}")
 
 
-def require_memory(n_steps: int) -> None:
+def require_memory(n_steps: int, bytes_per_step: int) -> None:
     """Refuse a flight whose record would not fit into the memory of this machine.
 
     Raises
@@ -100,14 +100,14 @@ def require_memory(n_steps: int) -> None:
         If it would not; the system would end the process at some step without a word.
     """
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    if n_steps * _BYTES_PER_STEP > memory:
+    if n_steps * bytes_per_step > memory:
         raise ParameterError(
             f"plant.duration: received {n_steps} control steps; required at most "
-            f"{memory // _BYTES_PER_STEP}, whose record fits into {memory >> 30} GiB; shorten it"
+            f"{memory // bytes_per_step}, whose record fits into {memory >> 30} GiB; shorten it"
         )
 
 
-def _fly(loop: ClosedLoop, silent: bool) -> Trajectory:
+def _fly(loop: ClosedLoop, silent: bool) -> Flight:
     try:
         with show_progress("flying", silent=silent) as progress:
             return loop.run(progress)

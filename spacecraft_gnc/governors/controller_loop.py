@@ -187,12 +187,12 @@ class ControllerLoopPredictor:
             command = self._controller.command(state, reference)
             if command.is_fallback:
                 return n + SOLVER, k
-            limit, size = float(self._limits[0]), float(np.linalg.norm(command.torque))
+            limit, size = float(self._limits[0]), float(np.linalg.norm(command.control))
             if limit > 0.0 and violates(self._worst, limit - size, limit, reserve, n + TORQUE):
                 return n + TORQUE, k
             try:
                 rows[:3], rows[3] = self._body.step(
-                    state.attitude, state.momentum, command.torque, self._substeps
+                    state.attitude, state.momentum, command.control, self._substeps
                 )
             except ParameterError:  # no further step exists
                 return n + CONDITION, k + 1

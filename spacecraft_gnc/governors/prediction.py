@@ -37,7 +37,7 @@ class Commanded(Protocol):
     """What a predictor reads of a command."""
 
     @property
-    def torque(self) -> Vector3:
+    def control(self) -> Vector3:
         """Body torque (3,) [N m]."""
 
     @property

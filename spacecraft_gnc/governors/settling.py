@@ -70,7 +70,7 @@ class OneStep(NamedTuple):
         self.controller.reset()
         attitude, momentum = self.reference @ lie.exp(x[:3]), np.array(x[3:])
         tracked = Reference(self.reference, zero, zero)
-        torque = self.controller.command(State(0, attitude, momentum), tracked).torque
+        torque = self.controller.command(State(0, attitude, momentum), tracked).control
         following = self.body.step(attitude, momentum, torque, self.substeps)
         return deviation(*following, self.reference, zero), torque
 

@@ -1,16 +1,15 @@
 """The closed loop and its seams, without ROS."""
 
 from spacecraft_gnc.loop.closed_loop import ClosedLoop
+from spacecraft_gnc.loop.flight import Flight
 from spacecraft_gnc.loop.protocols import (
     Command,
     Controller,
     Governor,
     GovernorDecision,
-    Invariants,
     Plant,
     Reference,
     Source,
-    Standstill,
     State,
 )
 from spacecraft_gnc.loop.trajectory import Trajectory
@@ -19,13 +18,12 @@ __all__ = [
     "ClosedLoop",
     "Command",
     "Controller",
+    "Flight",
     "Governor",
     "GovernorDecision",
-    "Invariants",
     "Plant",
     "Reference",
     "Source",
-    "Standstill",
     "State",
     "Trajectory",
 ]

@@ -1,20 +1,22 @@
 """The seams of the closed loop: what a plant, a controller and a governor have to offer.
 
-Nodes, `ClosedLoop` and users' own packages meet here. Units are SI; attitudes map body to inertial
-components; torque and angular momentum are in the body frame.
+Nodes, `ClosedLoop` and users' own packages meet here. The seams are generic in the state S, the
+control U and the target or reference R of a vehicle. A state is a named tuple whose ``step`` is the
+number of the control step that it starts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from spacecraft_gnc.signals.signal import Signal
-from spacecraft_gnc.types import GovernorDecision, Invariants, Matrix3, Reference, State, Vector3
+from spacecraft_gnc.types import GovernorDecision, Invariants, Reference, State, Vector3
 
-if TYPE_CHECKING:  # a governor or a recorder needs no solver, whose kernels take long to import
-    from spacecraft_gnc.ocp.solution import Solution, Status
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.flight import Flight
 
 __all__ = [
     "Command",
@@ -25,13 +27,17 @@ __all__ = [
     "Plant",
     "Reference",
     "Source",
-    "Standstill",
     "State",
 ]
+S_co = TypeVar("S_co", covariant=True)
+S_contra = TypeVar("S_contra", contravariant=True)
+U_contra = TypeVar("U_contra", contravariant=True)
+R_contra = TypeVar("R_contra", contravariant=True)
+R = TypeVar("R")
 
 
 class Source(IntEnum):
-    """Where a torque command comes from (equal to TorqueCommand.msg).
+    """Where a command comes from (equal to TorqueCommand.msg).
 
     Either a rung of the fallback ladder, best first, or the method itself.
     """
@@ -50,27 +56,15 @@ class Source(IntEnum):
         return self in (Source.SHIFTED_PLAN, Source.FEEDBACK, Source.ZERO)
 
 
-class Standstill(NamedTuple):
-    """A loop that came to rest away from its target."""
+@dataclass(frozen=True, slots=True)
+class Command:
+    """Control for one step, and where it comes from."""
 
-    radius: float
-    """Spectral radius of the closed loop linearised there; above 1 it is unstable [-]."""
-    escaping: bool
-    """Whether the command leaves it by a small torque added to the optimal one."""
-    active_constraint: str
-    """Constraint that it leans on: a zone's name, ``"torque limit"``, or empty."""
-
-
-class Command(NamedTuple):
-    """Torque for one control step, and where it comes from."""
-
-    torque: Vector3
-    """(3,) body torque [N m]."""
+    control: Any
+    """What the actuators are to do, such as a body torque (3,) [N m]."""
     source: Source = Source.METHOD
-    solution: Solution | None = None
-    """The solve behind the command; None where none was made."""
-    standstill: Standstill | None = None
-    """The standstill that the loop is at; None: at none, or none was looked for."""
+    report: Any = None
+    """What the method says of it, with a ``status``; None where it has nothing to say."""
 
     @property
     def is_fallback(self) -> bool:
@@ -78,18 +72,12 @@ class Command(NamedTuple):
         return Source(self.source).is_fallback
 
     @property
-    def status(self) -> Status | None:
-        """How the step ended: the solve's status, or what the standstill says; None: no solve."""
-        if self.solution is None:
-            return None
-        solved = self.solution.status
-        if self.standstill is None:
-            return solved
-        statuses = type(solved)  # `ocp.Status`: to import it here would load the kernels
-        return statuses.ESCAPING if self.standstill.escaping else statuses.STALLED
+    def status(self) -> Any:
+        """How the step ended, by the method's report; None: there is none."""
+        return None if self.report is None else self.report.status
 
 
-class Plant(Protocol):
+class Plant(Protocol[S_co, U_contra]):
     """A simulated vehicle, advanced one control step at a time."""
 
     period: float
@@ -98,17 +86,21 @@ class Plant(Protocol):
     """Control steps of the scenario."""
 
     @property
-    def state(self) -> State:
-        """State at the start of the current control step."""
-
-    def step(self, torque: Vector3) -> State:
-        """Hold ``torque`` (3,) [N m] for one control period and return the new state."""
+    def flight(self) -> type[Flight]:
+        """What a flight of it keeps of each step."""
 
     @property
-    def idle_control(self) -> Vector3:
+    def state(self) -> S_co:
+        """State at the start of the current control step."""
+
+    def step(self, control: U_contra, /) -> S_co:
+        """Hold ``control`` for one control period and return the new state."""
+
+    @property
+    def idle_control(self) -> Any:
         """Control where no command came."""
 
-    def outputs(self, applied: tuple[Vector3, Source]) -> Sequence[tuple[Signal, Any]]:
+    def outputs(self, applied: tuple[Any, Source]) -> Sequence[tuple[Signal, Any]]:
         """Return what a node publishes at the start of the current step, the state first.
 
         ``applied``: control and its source over the step that ended now.
@@ -127,8 +119,8 @@ class Plant(Protocol):
         """Return to the initial state."""
 
 
-class Controller(Protocol):
-    """A torque law: state and reference in, command out; it never raises in flight."""
+class Controller(Protocol[S_contra, R_contra]):
+    """A control law: state and reference in, command out; it never raises in flight."""
 
     period: float
     """Control period [s]."""
@@ -137,7 +129,7 @@ class Controller(Protocol):
     slow: bool
     """Whether a command may take longer than some milliseconds: a node then computes it in a
     thread of its own, and never two at a time. A class may also declare its ``traits``
-    (`loop.traits.MethodTraits`)."""
+    (`vehicles.vehicle.MethodTraits`)."""
 
     def warm_up(self) -> None:
         """Compile or load everything that `command` needs."""
@@ -145,11 +137,11 @@ class Controller(Protocol):
     def reset(self) -> None:
         """Forget the past: the next command starts cold."""
 
-    def command(self, state: State, reference: Reference) -> Command:
-        """Torque for the control step that starts at ``state``."""
+    def command(self, state: S_contra, reference: R_contra) -> Command:
+        """Return the command of the control step that starts at ``state``."""
 
 
-class Governor(Protocol):
+class Governor(Protocol[S_contra, R]):
     """Shapes the reference so that the loop behind it keeps its constraints."""
 
     name: str
@@ -159,11 +151,11 @@ class Governor(Protocol):
     of its own, and never two at a time."""
 
     @property
-    def target(self) -> Matrix3:
-        """Attitude (3, 3) that is finally wanted, body to inertial."""
+    def target(self) -> R:
+        """What is finally wanted, such as an attitude (3, 3), body to inertial."""
 
-    def set_target(self, attitude: Matrix3) -> None:
-        """Ask for a new target attitude (3, 3), body to inertial.
+    def set_target(self, target: R, /) -> None:
+        """Ask for a new target.
 
         Raises
         ------
@@ -177,5 +169,5 @@ class Governor(Protocol):
     def reset(self) -> None:
         """Forget the past."""
 
-    def decide(self, state: State) -> GovernorDecision:
-        """Return the reference for the control step that starts at ``state``."""
+    def decide(self, state: S_contra) -> Any:
+        """Return the decision, with its ``reference``, for the step that starts at ``state``."""

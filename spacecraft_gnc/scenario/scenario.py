@@ -131,11 +131,11 @@ class Scenario:
 
         return ClosedLoop(self.build_plant(), self.build_controller(), self.build_governor())
 
-    def build_plant(self) -> Plant:
+    def build_plant(self) -> Plant[Any, Any]:
         """Return the vehicle named by ``plant.vehicle``."""
-        return cast("Plant", registry.create(registry.VEHICLES, self.vehicle.plant, self))
+        return cast("Plant[Any, Any]", registry.create(registry.VEHICLES, self.vehicle.plant, self))
 
-    def build_controller(self) -> Controller:
+    def build_controller(self) -> Controller[Any, Any]:
         """Return the controller named by ``nmpc_controller.method``.
 
         Raises
@@ -144,9 +144,9 @@ class Scenario:
             With what the controller refuses, such as a start from which it has no solution.
         """
         method = registry.method_of(self.vehicle, self.controller.method, self.path)
-        return cast("Controller", self._create(registry.CONTROLLERS, method.build))
+        return cast("Controller[Any, Any]", self._create(registry.CONTROLLERS, method.build))
 
-    def build_governor(self) -> Governor:
+    def build_governor(self) -> Governor[Any, Any]:
         """Return the governor named by ``reference_governor.governor``.
 
         Raises
@@ -155,7 +155,7 @@ class Scenario:
             With what the governor refuses, such as a start from which its prediction violates a
             limit.
         """
-        return cast("Governor", self._create(registry.GOVERNORS, self.law.build))
+        return cast("Governor[Any, Any]", self._create(registry.GOVERNORS, self.law.build))
 
     def check_cores(self) -> None:
         """Have the cores that look ahead refuse what no value shows by itself.

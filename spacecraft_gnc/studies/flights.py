@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class Stopwatch:
         Wall time of each command since the last reset [s].
     """
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: Controller[Any, Any]) -> None:
         self._controller = controller
         self.period, self.name, self.slow = controller.period, controller.name, controller.slow
         self.times: list[float] = []
@@ -81,7 +81,7 @@ class GovernorStopwatch:
         Wall time of each decision since the last reset [s].
     """
 
-    def __init__(self, governor: Governor) -> None:
+    def __init__(self, governor: Governor[Any, Any]) -> None:
         self._governor = governor
         self.name, self.slow = governor.name, governor.slow
         self.times: list[float] = []
@@ -89,7 +89,8 @@ class GovernorStopwatch:
     @property
     def target(self) -> Matrix3:
         """Attitude (3, 3) that is finally wanted, body to inertial."""
-        return self._governor.target
+        target: Matrix3 = self._governor.target
+        return target
 
     def set_target(self, attitude: Matrix3) -> None:
         """Ask for a new target attitude (3, 3), body to inertial."""
@@ -107,7 +108,7 @@ class GovernorStopwatch:
     def decide(self, state: State) -> GovernorDecision:
         """Return the governor's decision."""
         begun = perf_counter()
-        decision = self._governor.decide(state)
+        decision: GovernorDecision = self._governor.decide(state)
         self.times.append(perf_counter() - begun)
         return decision
 

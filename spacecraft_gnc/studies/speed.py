@@ -181,5 +181,5 @@ def _time_bisections(scenario: Scenario) -> Array:
         spent = perf_counter() - begun
         if decision.evaluations > 1:
             times.append(spent)
-        state = loop.plant.step(loop.controller.command(state, decision.reference).torque)
+        state = loop.plant.step(loop.controller.command(state, decision.reference).control)
     return np.array(times)

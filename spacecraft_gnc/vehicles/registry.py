@@ -26,6 +26,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 from spacecraft_gnc import __version__, vehicles
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.lazy import Lazy
+from spacecraft_gnc.loop.flight import Flight
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, shown, suggestion
 from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
 from spacecraft_gnc.vehicles.vehicle import GovernorLaw, Method, MethodTraits, Vehicle
@@ -101,6 +102,13 @@ def vehicle_of(name: str, path: str = "", line: int | None = None) -> Vehicle:
         return require_vehicle(Lazy(f"{_descriptor(name)}:VEHICLE").load())
     found: Vehicle = _Problems(path, line, VEHICLES, name, None).loaded(_as_vehicle)
     return found
+
+
+def flight_of(vehicle: Vehicle | None = None) -> type[Flight]:
+    """Return the class of a vehicle's flights; the default vehicle's where it is not known."""
+    flight = (vehicle or vehicle_of(DEFAULT_VEHICLE)).flight
+    kind: type[Flight] = Flight if flight is None else flight.load()
+    return kind
 
 
 def method_of(vehicle: Vehicle, name: str, path: str = "") -> Method:

@@ -149,7 +149,10 @@ class Vehicle:
     facts: Lazy | None = None
     """Function of a scenario and its `Outlook`: the `Facts`."""
     signals: Lazy | None = None
+    flight: Lazy | None = None
+    """Class of its flights (`loop.flight.Flight`)."""
     columns: Lazy | None = None
+    """Function of a bag that reads such a flight from it."""
     outputs: Lazy | None = None
     audit: Lazy | None = None
     metrics: Lazy | None = None

@@ -7,8 +7,8 @@ from pathlib import Path
 import case_1
 import numpy as np
 
-from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
 DATA = Path(__file__).parents[1] / "data"
 PERIOD = 0.4  # [s]
@@ -37,7 +37,7 @@ def trajectory(attitude, momentum, torque, **replaced):
         "final_momentum": momentum[-1],
         "final_reference": np.eye(3),
     }
-    return Trajectory(**{**fields, **replaced})
+    return RigidBodyFlight(**{**fields, **replaced})
 
 
 def case1():

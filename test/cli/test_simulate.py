@@ -16,9 +16,10 @@ from spacecraft_gnc.cli import simulate as module
 from spacecraft_gnc.cli._common import json_able
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop import ClosedLoop, Trajectory
+from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.scenario.fingerprint import fingerprint
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 CASE_1 = str(CONFIG / "gupta2015_case1.yaml")
@@ -97,7 +98,7 @@ def test_case_1_has_the_figures_of_the_paper_notes(
     assert result["settle_time_0.1deg"] is None
     assert result["cost"] == pytest.approx(0.0550925764, abs=1e-9)
     assert (result["saturated_steps"], result["iterations_max"]) == (32, 3)
-    trajectory = Trajectory.load(out_file)
+    trajectory = RigidBodyFlight.load(out_file)
     again = load(CASE_1).build().run()
     np.testing.assert_array_equal(trajectory.torque, again.torque)
     assert [path.name for path in tmp_path.iterdir()] == ["case1.npz"]

@@ -60,7 +60,7 @@ def flown(controller, state, reference, n_steps):
     tracked = Reference(reference, ZERO, ZERO)
     states, torques = [state], []
     for _ in range(n_steps):
-        torques.append(controller.command(state, tracked).torque)
+        torques.append(controller.command(state, tracked).control)
         state = State(state.step + 1, *BODY.step(state.attitude, state.momentum, torques[-1]))
         states.append(state)
     return (

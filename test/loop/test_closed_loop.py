@@ -10,7 +10,7 @@ import pytest
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import _lgvi_kernels
 from spacecraft_gnc.errors import ParameterError, RecordingError
-from spacecraft_gnc.loop import ClosedLoop, Source, Trajectory
+from spacecraft_gnc.loop import ClosedLoop, Source
 from spacecraft_gnc.ocp import (
     NeighboringExtremal,
     Status,
@@ -18,6 +18,7 @@ from spacecraft_gnc.ocp import (
     _solve_kernels,
     _sweep_kernels,
 )
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
 REFERENCE = Path(__file__).parents[1] / "data" / "gupta2015_case1_ipopt.npz"
 
@@ -77,23 +78,23 @@ def test_periods_must_agree(build):
 
 def test_a_flight_survives_the_disk(build, tmp_path):
     trajectory = build(10).run()
-    back = Trajectory.load(trajectory.save(tmp_path / "flight.npz"))
+    back = RigidBodyFlight.load(trajectory.save(tmp_path / "flight.npz"))
     assert back.period == trajectory.period
     for name in ("time", "attitude", "torque", "status", "final_attitude"):
         assert np.array_equal(getattr(back, name), getattr(trajectory, name))
-    assert Trajectory.load_scenario(tmp_path / "flight.npz") == ""
+    assert RigidBodyFlight.load_scenario(tmp_path / "flight.npz") == ""
 
 
 def test_a_flight_keeps_the_text_of_its_scenario(build, tmp_path):
     text = "plant:\n  ros__parameters:\n    # Größe\n    duration: 4.0\n"
     file = build(2).run().save(tmp_path / "flight.npz", text)
-    assert Trajectory.load_scenario(file) == text
-    assert Trajectory.load(file).n_steps == 2
+    assert RigidBodyFlight.load_scenario(file) == text
+    assert RigidBodyFlight.load(file).n_steps == 2
     whole = file.read_bytes()
     at = whole.index(b"scenario.npy") + 60  # in its compressed content
     file.write_bytes(whole[:at] + b"\xff" * 8 + whole[at + 8 :])
     with pytest.raises(RecordingError, match="gnc simulate"):
-        Trajectory.load_scenario(file)
+        RigidBodyFlight.load_scenario(file)
 
 
 def test_a_file_is_written_whole_or_not_at_all(build, tmp_path):
@@ -110,9 +111,9 @@ def test_a_file_that_is_no_flight_is_refused(tmp_path, content):
     path = tmp_path / "flight.npz"
     path.write_bytes(content)
     with pytest.raises(RecordingError, match="gnc simulate"):
-        Trajectory.load(path)
+        RigidBodyFlight.load(path)
     with pytest.raises(RecordingError):
-        Trajectory.load(tmp_path / "absent.npz")
+        RigidBodyFlight.load(tmp_path / "absent.npz")
 
 
 def test_nothing_is_compiled_after_warm_up(build):

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from spacecraft_gnc.loop import Command, Reference, Source, Standstill, State
+from spacecraft_gnc.loop import Command, Reference, Source, State
 from spacecraft_gnc.ocp import Status
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import (
+    SolveReport,
+    Standstill,
+)
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
 
 REST = State(0, np.eye(3), np.zeros(3))
@@ -16,15 +22,15 @@ STUCK = Standstill(0.9, escaping=False, active_constraint="star")
 
 def test_the_status_is_that_of_the_solve(build):
     command = build().controller.command(REST, TARGET)
-    assert command.standstill is None
+    assert command.report.standstill is None
     assert command.status is Status.CONVERGED
 
 
 @pytest.mark.parametrize(("escaping", "status"), [(False, Status.STALLED), (True, Status.ESCAPING)])
 def test_a_standstill_overrides_it(build, escaping, status):
     command = build().controller.command(REST, TARGET)
-    command = command._replace(standstill=STUCK._replace(escaping=escaping))
-    assert command.status is status
+    report = command.report._replace(standstill=STUCK._replace(escaping=escaping))
+    assert replace(command, report=report).status is status
 
 
 def test_without_a_solve_there_is_no_status():
@@ -36,11 +42,8 @@ def test_the_record_keeps_the_status_of_the_command(build, monkeypatch):
 
     def command(self, state, reference):
         found = solve(self, state, reference)
-        return [
-            found,
-            found._replace(standstill=STUCK),
-            found._replace(solution=None),
-        ][state.step]
+        stuck = found.report._replace(standstill=STUCK)
+        return replace(found, report=[found.report, stuck, SolveReport(None)][state.step])
 
     monkeypatch.setattr(ShootingController, "command", command)
     flown = build(3).run()

@@ -55,7 +55,7 @@ def fly(ocp, controller, n_steps, state=START):
     for _ in range(n_steps):
         command = controller.command(state, TARGET)
         commands.append(command)
-        R, Pi = ocp.body.step(state.attitude, state.momentum, command.torque)
+        R, Pi = ocp.body.step(state.attitude, state.momentum, command.control)
         state = State(state.step + 1, R, Pi)
     return commands, state
 
@@ -64,11 +64,11 @@ def test_the_nominal_run_is_flown_along_itself(ocp):
     exact, end = fly(ocp, ShootingController(ShootingSolver(ocp)), 30)
     corrected, same_end = fly(ocp, nominal(ocp), 30)
     assert {command.source for command in corrected} == {Source.NEIGHBORING_EXTREMAL}
-    assert all(command.solution is None and command.status is None for command in corrected)
+    assert all(command.report is None and command.status is None for command in corrected)
     assert lie.angle_between(end.attitude, same_end.attitude) < 1e-6
     for one, other in zip(exact, corrected, strict=True):
         # Cut to the limit, which the penalty exceeds by 3e-9.
-        assert np.abs(one.torque - other.torque).max() < 1e-8
+        assert np.abs(one.control - other.control).max() < 1e-8
 
 
 def test_an_exact_solve_is_made_every_so_many_steps_and_beyond_the_end(ocp):
@@ -87,7 +87,7 @@ def test_a_nominal_run_is_flown_anew_for_another_target(ocp):
     command = controller.command(START, turned)
     assert controller._run is not first
     expected = ShootingSolver(ocp).solve(START.attitude, REST, turned.attitude)
-    assert np.abs(command.torque - expected.torques[0]).max() < 1e-8
+    assert np.abs(command.control - expected.torques[0]).max() < 1e-8
     controller.reset()
     assert controller._run is not None
 
@@ -95,7 +95,7 @@ def test_a_nominal_run_is_flown_anew_for_another_target(ocp):
 def test_the_nominal_run_answers_no_state_by_zero(ocp):
     command = nominal(ocp).command(State(3, NOWHERE, REST), TARGET)
     assert command.source is Source.ZERO
-    assert not command.torque.any()
+    assert not command.control.any()
 
 
 @pytest.mark.parametrize("why", ["start", "target"])
@@ -116,7 +116,7 @@ def test_the_nominal_run_respects_the_limit_far_from_it(ocp):
     far = State(3, lie.exp(np.array([2.0, -1.0, 0.5])), np.array([0.1, 0.2, -0.1]))
     command = nominal(ocp).command(far, TARGET)
     assert command.source is Source.NEIGHBORING_EXTREMAL
-    assert np.linalg.norm(command.torque) == pytest.approx(LIMIT, rel=1e-14)
+    assert np.linalg.norm(command.control) == pytest.approx(LIMIT, rel=1e-14)
 
 
 def test_the_online_controller_names_what_it_flies(ocp):
@@ -128,10 +128,10 @@ def test_the_online_controller_names_what_it_flies(ocp):
     assert set(sources) == {Source.OPTIMAL, Source.NEIGHBORING_EXTREMAL}
     for command in commands:
         corrected = command.source is Source.NEIGHBORING_EXTREMAL
-        assert (command.solution.formulation == "neighboring_extremal") == corrected
+        assert (command.report.solution.formulation == "neighboring_extremal") == corrected
     again, _ = fly(ocp, controller, 60)  # fly resets: the same flight, bit for bit
     assert [c.source for c in again] == sources
-    assert all(np.array_equal(a.torque, b.torque) for a, b in zip(again, commands, strict=True))
+    assert all(np.array_equal(a.control, b.control) for a, b in zip(again, commands, strict=True))
 
 
 def test_a_failure_does_not_poison_the_online_controller(ocp):
@@ -139,12 +139,12 @@ def test_a_failure_does_not_poison_the_online_controller(ocp):
     fresh = OnlineNeighboringController(NeighboringExtremal(ocp))
     fly(ocp, controller, 5)
     failed = controller.command(State(5, START.attitude, TOO_FAST), TARGET)
-    assert failed.solution.status is Status.UNSOLVABLE_STEP
+    assert failed.report.solution.status is Status.UNSOLVABLE_STEP
     assert controller.command(State(6, NOWHERE, REST), TARGET).source > Source.OPTIMAL
     after = controller.command(State(7, *START[1:]), TARGET)
     expected = fresh.command(State(7, *START[1:]), TARGET)
     assert after.source is Source.OPTIMAL
-    assert np.array_equal(after.torque, expected.torque)
+    assert np.array_equal(after.control, expected.control)
 
 
 def test_a_continuation_is_tried_where_a_solve_fails(ocp):
@@ -157,8 +157,8 @@ def test_a_continuation_is_tried_where_a_solve_fails(ocp):
     command = detour.command(START, TARGET)
     assert command.source is Source.OPTIMAL
     exact = ShootingSolver(ocp).solve(START.attitude, REST)
-    assert np.abs(command.torque - exact.torques[0]).max() < 1e-11
-    assert np.array_equal(detour._warm_start, command.solution.warm_start)
+    assert np.abs(command.control - exact.torques[0]).max() < 1e-11
+    assert np.array_equal(detour._warm_start, command.report.solution.warm_start)
 
 
 @pytest.mark.parametrize(
@@ -199,8 +199,8 @@ def test_a_solve_that_takes_long_is_compared_with_another_start(ocp):
         flown = ShootingController(ShootingSolver(ocp), None, detour).command(START, TARGET)
         assert detour.calls == calls
         assert flown.source is Source.OPTIMAL
-        assert np.array_equal(flown.torque, (direct if ours else other).torques[0])
-        assert flown.solution.iterations == direct.iterations * (1 + calls)
+        assert np.array_equal(flown.control, (direct if ours else other).torques[0])
+        assert flown.report.solution.iterations == direct.iterations * (1 + calls)
 
 
 def test_the_online_sequence_does_not_correct_what_another_start_found(ocp):

@@ -24,8 +24,8 @@ def test_gains_and_limit_are_those_of_the_scenario():
     assert (controller.name, controller.slow, controller.period) == ("feedback", False, 0.1)
     assert np.array_equal(controller.feedback.attitude_gain, np.diag([0.1, 0.2, 0.3]))
     command = controller.command(START, TARGET)
-    assert (command.source, command.solution, command.status) == (Source.METHOD, None, None)
-    assert np.linalg.norm(command.torque) == pytest.approx(0.05)
+    assert (command.source, command.report, command.status) == (Source.METHOD, None, None)
+    assert np.linalg.norm(command.control) == pytest.approx(0.05)
 
 
 def test_its_default_gains_settle_in_the_wanted_time():
@@ -47,4 +47,4 @@ def test_a_state_or_reference_that_is_none_gives_zero_torque_and_no_exception():
     for state, reference in ((NOWHERE, TARGET), (START, Reference(*NOWHERE[1:], np.zeros(3)))):
         command = controller.command(state, reference)
         assert command.source is Source.ZERO
-        assert np.array_equal(command.torque, np.zeros(3))
+        assert np.array_equal(command.control, np.zeros(3))

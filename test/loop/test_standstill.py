@@ -34,7 +34,7 @@ def findings(loop):
 
     def command(state, reference):
         found = solve(state, reference)
-        if found.standstill is not None:
+        if found.report.standstill is not None:
             said.append((state.step, found))
         return found
 
@@ -72,11 +72,11 @@ def test_half_a_turn_away_the_loop_escapes_and_arrives(build, start):
     assert [step for step, _ in said] == [0]
     _, command = said[0]
     assert command.status is Status.ESCAPING
-    assert command.standstill.escaping
-    assert command.standstill.radius > 1.05
-    assert command.standstill.active_constraint == ""
-    assert command.solution.converged  # at a minimum of its horizon: no solve sees it
-    assert 0.0 < np.linalg.norm(command.torque) <= LIMIT * (1.0 + 1e-15)
+    assert command.report.standstill.escaping
+    assert command.report.standstill.radius > 1.05
+    assert command.report.standstill.active_constraint == ""
+    assert command.report.solution.converged  # at a minimum of its horizon: no solve sees it
+    assert 0.0 < np.linalg.norm(command.control) <= LIMIT * (1.0 + 1e-15)
     assert flown.status[0] == Status.ESCAPING
     assert set(flown.status[1:]) == {Status.CONVERGED}
     assert errors_deg(flown)[-1] < 0.1  # after 300 s
@@ -105,7 +105,7 @@ def test_the_escape_has_one_sign_and_keeps_the_way_already_left(build):
 
     def torque(offset):
         attitude = lie.exp(np.array([math.pi + offset, 0.0, 0.0]))
-        return controller.command(State(0, attitude, REST), TARGET).torque[0]
+        return controller.command(State(0, attitude, REST), TARGET).control[0]
 
     assert torque(0.0) > 0.0  # below rounding: the largest component is positive
     assert torque(0.0) == torque(0.0)
@@ -123,17 +123,17 @@ def test_the_push_fits_the_limit(build, limit):
     assert command.status is Status.ESCAPING
     # 1 % of the error over one horizon: PUSH pi J_min / (h N h).
     free = 0.01 * math.pi * 0.8 / (0.4 * 2.0)
-    assert np.linalg.norm(command.torque) == pytest.approx(limit or free, rel=1e-9)
+    assert np.linalg.norm(command.control) == pytest.approx(limit or free, rel=1e-9)
 
 
 def test_the_push_is_one_that_the_actuators_can_give(build):
     B = np.array([[1.0, 0.2], [0.0, 0.7], [0.3, -0.5]])
     loop = build(start=(0.0, math.pi, 0.0), watch=(), actuators=B)
     command = loop.controller.command(loop.plant.state, TARGET)
-    controls = loop.controller.solver.ocp.allocation @ command.torque
+    controls = loop.controller.solver.ocp.allocation @ command.control
     assert command.status is Status.ESCAPING
     assert np.linalg.norm(controls) <= LIMIT * (1.0 + 1e-14)
-    assert np.abs(B @ controls - command.torque).max() < 1e-17
+    assert np.abs(B @ controls - command.control).max() < 1e-17
 
 
 def test_a_stall_at_the_edge_of_a_window_is_named(build):
@@ -142,10 +142,12 @@ def test_a_stall_at_the_edge_of_a_window_is_named(build):
     assert len(said) > 500
     for _, command in said:
         assert command.status is Status.STALLED
-        assert 0.9 < command.standstill.radius < 1.0
-        assert not command.standstill.escaping
-        assert command.standstill.active_constraint == "window"
-        assert np.array_equal(command.torque, command.solution.torques[0])  # nothing is added
+        assert 0.9 < command.report.standstill.radius < 1.0
+        assert not command.report.standstill.escaping
+        assert command.report.standstill.active_constraint == "window"
+        assert np.array_equal(
+            command.control, command.report.solution.torques[0]
+        )  # nothing is added
     assert said[-1][0] == 749
     assert flown.status[-1] == Status.STALLED
     edge = math.degrees(1.0) - 20.0  # the soft edge gives way a little
@@ -158,16 +160,16 @@ def test_without_an_actuator_to_go_round_the_loop_is_stalled(build):
     flown, said = findings(loop)
     assert len(said) > 100
     assert {command.status for _, command in said} == {Status.STALLED}
-    assert {command.standstill.active_constraint for _, command in said} == {"star"}
-    assert all(abs(command.standstill.radius - 1.0) < 1e-6 for _, command in said)
+    assert {command.report.standstill.active_constraint for _, command in said} == {"star"}
+    assert all(abs(command.report.standstill.radius - 1.0) < 1e-6 for _, command in said)
     assert errors_deg(flown)[-1] == pytest.approx(26.88, abs=0.01)
 
 
 def test_the_same_place_with_all_actuators_is_left(build):
     flown, said = findings(build(750, start=(0, 0, 0.5), watch=["star"], zones=(STAR,)))
     assert [command.status for _, command in said] == [Status.ESCAPING]
-    assert said[0][1].standstill.active_constraint == "star"
-    assert said[0][1].standstill.radius == pytest.approx(1.22, abs=0.01)
+    assert said[0][1].report.standstill.active_constraint == "star"
+    assert said[0][1].report.standstill.radius == pytest.approx(1.22, abs=0.01)
     assert errors_deg(flown)[-1] < 0.1
 
 

@@ -106,7 +106,7 @@ def test_out_of_reach_in_flight_the_ladder_answers():
     for step in range(2, 7):  # the plan of five steps is used up
         late = controller.command(State(step, near, REST), far)
     assert (late.source, late.status) == (Source.FEEDBACK, Status.INFEASIBLE)
-    assert 0.0 < np.linalg.norm(late.torque) <= 0.02 * (1.0 + 1e-15)
+    assert 0.0 < np.linalg.norm(late.control) <= 0.02 * (1.0 + 1e-15)
 
 
 def test_its_neighbouring_extremal_is_that_of_its_own_problem():
@@ -114,7 +114,7 @@ def test_its_neighbouring_extremal_is_that_of_its_own_problem():
     controller = TerminalSetController(TerminalSetSolver(paper(20, "without_kappa")))
     controller.warm_up()
     start = lie.exp(np.array([0.02, -0.03, 0.05]))
-    plan = controller.command(State(0, start, REST), target(np.eye(3))).solution
+    plan = controller.command(State(0, start, REST), target(np.eye(3))).report.solution
     turned = plan.attitudes[1] @ lie.exp(np.array([1e-5, 2e-5, -1e-5]))
     failed = plan._replace(status=Status.MAX_ITERATIONS)
     ladder = controller._ladder
@@ -122,5 +122,5 @@ def test_its_neighbouring_extremal_is_that_of_its_own_problem():
     corrected = ladder.command(state, target(np.eye(3)), failed)
     assert corrected.source is Source.NEIGHBORING_EXTREMAL
     late = TerminalSetSolver(paper(19, "without_kappa")).solve(turned, plan.momenta[1])
-    assert corrected.torque == pytest.approx(late.torques[0], abs=1e-9)
+    assert corrected.control == pytest.approx(late.torques[0], abs=1e-9)
     assert math.isclose(plan.ocp.time_step, 0.1)

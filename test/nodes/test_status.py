@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +11,13 @@ from rclpy.serialization import deserialize_message
 from spacecraft_gnc_msgs.msg import SolverStatus
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.loop import Command, Reference, Source, Standstill, State
+from spacecraft_gnc.loop import Command, Reference, Source, State
 from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import (
+    SolveReport,
+    Standstill,
+    solution_of,
+)
 from spacecraft_gnc.vehicles.rigid_body.outputs import Outputs
 from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS
 
@@ -39,7 +45,7 @@ def decoded(command: Command) -> SolverStatus:
 
 
 def test_a_solve(solved: Command) -> None:
-    solution = solved.solution
+    solution = solution_of(solved)
     assert solution is not None
     message = decoded(solved)
     assert (message.header.stamp.sec, message.header.stamp.nanosec, message.step) == (1, 2, 3)
@@ -56,12 +62,14 @@ def test_a_solve(solved: Command) -> None:
 
 @pytest.mark.parametrize("escaping", [False, True])
 def test_a_standstill(solved: Command, escaping: bool) -> None:
-    message = decoded(solved._replace(standstill=Standstill(1.5, escaping, "star")))
+    solution = solution_of(solved)
+    report = SolveReport(solution, Standstill(1.5, escaping, "star"))
+    message = decoded(replace(solved, report=report))
     assert message.status == (SolverStatus.ESCAPING if escaping else SolverStatus.STALLED)
     assert message.closed_loop_radius == 1.5
     assert message.active_constraint == "star"
-    assert solved.solution is not None
-    assert message.formulation == solved.solution.formulation
+    assert solution is not None
+    assert message.formulation == solution.formulation
 
 
 def test_no_solve() -> None:

@@ -8,12 +8,12 @@ import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.schema_text import schema_text
 from spacecraft_gnc.recording.steps import SPARSE
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.signals.qos import QosProfile
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
 MESSAGES = Path(__file__).parents[2] / "msg_defs" / "msg"
 PERIOD = 0.4  # [s]
@@ -178,7 +178,7 @@ def random_flight(n, seed=0):
     attitude = np.array([lie.exp(rng.normal(size=3)) for _ in range(n + 1)])
     reference = np.array([lie.exp(rng.normal(size=3)) for _ in range(n)])
     momentum = rng.normal(size=(n + 1, 3))
-    return Trajectory(
+    return RigidBodyFlight(
         period=PERIOD,
         time=PERIOD * np.arange(n),
         attitude=attitude[:-1],

@@ -13,8 +13,8 @@ from recording.bags import CODEC, announce, flight_messages, random_flight, reco
 
 from spacecraft_gnc.analysis.reader import load_run, read_flight
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
 FLIGHT = random_flight(12)
 SCENARIO = """
@@ -32,7 +32,7 @@ nmpc_controller:
 
 
 def assert_same(read, flown):
-    for item in fields(Trajectory):
+    for item in fields(RigidBodyFlight):
         np.testing.assert_array_equal(
             getattr(read, item.name), getattr(flown, item.name), err_msg=item.name
         )

@@ -27,6 +27,7 @@ VEHICLE: Final = Vehicle(
     methods=METHODS,
     governors=LAWS,
     plant=_lazy("plant:RigidBodyPlant.from_scenario"),
+    flight=_lazy("flight:RigidBodyFlight"),
     checks=_lazy("checks.all:check"),
     defaults=_lazy("parameters.defaults:formulas"),
     former_defaults=_lazy("parameters.former:former_defaults"),

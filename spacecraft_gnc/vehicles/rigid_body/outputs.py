@@ -17,6 +17,7 @@ from spacecraft_gnc.signals.attitude import (
     error_of,
 )
 from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 from spacecraft_gnc.vehicles.rigid_body.markers import zone_markers
 from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, TORQUE, ZONE_MARKERS
 
@@ -75,9 +76,10 @@ class Outputs:
 
     def progress(self, state: State, reference: Reference, command: Command) -> dict[str, Any]:
         """Return what a progress display shows of a step."""
+        solution = solution_of(command)
         return {
             "attitude_error": lie.angle_between(state.attitude, reference.attitude),
-            "wall_solve_time": command.solution.solve_time if command.solution else math.nan,
+            "wall_solve_time": solution.solve_time if solution else math.nan,
         }
 
     def governor(self, decision: GovernorDecision) -> Told:
@@ -90,7 +92,8 @@ class Outputs:
 
     def _status(self, command: Command, wall: tuple[float, float]) -> tuple[Any, ...]:
         """Return the fields of SolverStatus."""
-        solution, status, standstill = command.solution, command.status, command.standstill
+        solution, status = solution_of(command), command.status
+        standstill = None if command.report is None else command.report.standstill
         if solution is None or status is None:
             nothing = (math.nan, math.nan, _NO_COSTATE, math.nan, (), math.nan, math.nan, "")
             return (self._method, "", _NO_SOLVE, 0, *nothing, *self._no_plan, *wall)

@@ -10,17 +10,20 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.loop.protocols import Invariants, Source, State
+from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.plant.disturbances import Disturbances, Motion, build
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import POSE, pose_of
 from spacecraft_gnc.types import (
     ArrayLike,
+    Invariants,
+    State,
     Vector3,
     as_rotation,
     as_vector3,
     read_only,
 )
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, STATE, StateAndRate
 
@@ -52,6 +55,8 @@ class RigidBodyPlant:
     ShapeError, ParameterError
         If an argument is refused, or the first step does not exist (Kalabic (3)).
     """
+
+    flight = RigidBodyFlight
 
     def __init__(
         self,

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
 from spacecraft_gnc.recording.steps import (
@@ -25,6 +24,7 @@ from spacecraft_gnc.recording.steps import (
     TORQUE,
 )
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
@@ -48,7 +48,7 @@ class Torques(NamedTuple):
 class Recorded(NamedTuple):
     """A flight as a bag holds it."""
 
-    trajectory: Trajectory
+    trajectory: RigidBodyFlight
     missing: dict[str, tuple[int, ...]]
     """Steps without a message, by topic."""
     overridden: tuple[int, ...]
@@ -159,7 +159,7 @@ def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
 
 def _trajectory(
     n: int, columns: Mapping[str, Columns], torques: Torques, targets: Array, period: float
-) -> Trajectory:
+) -> RigidBodyFlight:
     states, references, solves, decisions = (
         columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
     )
@@ -169,7 +169,7 @@ def _trajectory(
     known = np.flatnonzero(np.isfinite(reference).all(axis=(1, 2)))
     final = int(np.searchsorted(states.steps, n))
     status = _integers(n, -1, solves.steps, solves.fields.get("status"))
-    return Trajectory(
+    return RigidBodyFlight(
         period=period,
         time=_times(n, states, period),
         attitude=_filled(n, states, "attitude", (9,)).reshape(n, 3, 3),

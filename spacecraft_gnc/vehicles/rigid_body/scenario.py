@@ -55,7 +55,7 @@ class Scenario(Protocol):
     def n_steps(self) -> int:
         """Whole control steps in the duration."""
 
-    def build_controller(self) -> Controller:
+    def build_controller(self) -> Controller[Any, Any]:
         """Return a controller of the scenario."""
 
 

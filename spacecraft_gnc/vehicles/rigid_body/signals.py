@@ -40,7 +40,7 @@ class StateAndRate(NamedTuple):
 class Torque(NamedTuple):
     """A torque as commanded or applied."""
 
-    torque: Vector3
+    control: Vector3
     """(3,) body frame [N m]."""
     source: Source
 
@@ -56,7 +56,7 @@ def _unpack_state(message: Message) -> State:
 
 
 def _pack_torque(command: Any) -> tuple[Any, ...]:
-    return command.torque, int(command.source)
+    return command.control, int(command.source)
 
 
 def _unpack_torque(message: Message) -> Torque:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Evidence, Progress
     from spacecraft_gnc.audit.ledger import Ledger
     from spacecraft_gnc.loop.protocols import Governor
+
+    AnyGovernor: TypeAlias = Governor[Any, Any]
 
 _DECISION: Final = "decision of the governor"
 _CONSTRAINT: Final = "active_constraint"
@@ -86,7 +88,7 @@ class _Decided(NamedTuple):
 class _Inquiry:
     """Asks a governor step by step, up to the first decision that nothing explains."""
 
-    def __init__(self, evidence: Evidence, governor: Governor, tolerance: float | None) -> None:
+    def __init__(self, evidence: Evidence, governor: AnyGovernor, tolerance: float | None) -> None:
         self._governor = governor
         self._steps = steps = evidence.common(*_ANSWERED)
         self._attitudes = evidence.rows(STATE, "attitude", steps).reshape(-1, 3, 3)

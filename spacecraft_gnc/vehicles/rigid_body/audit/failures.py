@@ -19,6 +19,7 @@ from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQ
 from spacecraft_gnc.vehicles.rigid_body.audit.certificate import CORRECTED, ROUNDING
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import HARD, TERMINAL, Certifier, Plans
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import NO_SOLVE, Sample, restored, sample
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.counts import Counts
@@ -183,7 +184,7 @@ class FailureAudit:
             found = sample(self._evidence, k)
             command = controller.command(found.state, found.reference)
         self._repeated = step + 1
-        return None if command is None else command.solution
+        return None if command is None else solution_of(command)
 
     def _started(self, step: int, before: _Before | None) -> tuple[_Solving, Array | None]:
         """Return the controller, and the warm start that it had as far as the bag tells it.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Progress
     from spacecraft_gnc.loop.protocols import Plant
 
+    AnyPlant: TypeAlias = Plant[Any, Any]
+
 ROUNDING: Final = 64.0 * 2.0**-53
 """Share of the largest magnitude that the sums of three products may be off."""
 _ATTITUDE, _MOMENTUM = "attitude_state.attitude", "attitude_state.angular_momentum"
@@ -29,7 +31,7 @@ _DEFECT = "plant_invariants.orthogonality_error"
 
 def audit_motion(
     evidence: Evidence,
-    plant: Plant,
+    plant: AnyPlant,
     ledger: Ledger,
     tolerance: float | None,
     progress: Progress | None,
@@ -66,7 +68,11 @@ def applied_torques(evidence: Evidence) -> Array:
 
 
 def _each_step(
-    evidence: Evidence, plant: Plant, torques: Array, ledger: Ledger, tolerance: float | None
+    evidence: Evidence,
+    plant: AnyPlant,
+    torques: Array,
+    ledger: Ledger,
+    tolerance: float | None,
 ) -> None:
     name = "integrator, from each state"
     if type(plant) is not RigidBodyPlant:
@@ -100,7 +106,7 @@ def _each_step(
 
 def _in_a_row(
     evidence: Evidence,
-    plant: Plant,
+    plant: AnyPlant,
     torques: Array,
     ledger: Ledger,
     tolerance: float | None,
@@ -128,7 +134,11 @@ def _in_a_row(
 
 
 def _flown_again(
-    evidence: Evidence, plant: Plant, torques: Array, ledger: Ledger, progress: Progress | None
+    evidence: Evidence,
+    plant: AnyPlant,
+    torques: Array,
+    ledger: Ledger,
+    progress: Progress | None,
 ) -> dict[str, Array]:
     """Return what the plant tells of each state it comes through."""
     n = evidence.n
@@ -164,7 +174,7 @@ _SIZES: Final = {
 }
 
 
-def _momentum_balance(evidence: Evidence, plant: Plant, torques: Array, ledger: Ledger) -> None:
+def _momentum_balance(evidence: Evidence, plant: AnyPlant, torques: Array, ledger: Ledger) -> None:
     """R' Pi' - R Pi = h R' u: a law of the integrator that no quantity of its own enters."""
     name = "inertial momentum = torque impulse"
     if type(plant) is not RigidBodyPlant or plant.substeps != 1:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
 SENSITIVE: Final = 1e-9
 """Share of the largest torque that those may differ which rest on a linearised plan."""
-TORQUE_FIELD: Final = "torque_command.torque"
+TORQUE_FIELD: Final = "torque_command.control"
 _SOURCE: Final = "torque_command.source"
 LAW: Final = "command of the law"
 _LADDER = "command of the ladder"
@@ -64,7 +64,7 @@ def sample(evidence: Evidence, step: int) -> Sample:
 
 
 def audit_law(
-    evidence: Evidence, controller: Controller, steps: NDArray[np.int64], ledger: Ledger
+    evidence: Evidence, controller: Controller[Any, Any], steps: NDArray[np.int64], ledger: Ledger
 ) -> None:
     """Ask the controller, which remembers nothing of the flight, for its commands once more."""
     torques, sources = np.empty((len(steps), 3)), np.empty(len(steps))
@@ -72,7 +72,7 @@ def audit_law(
     for i, step in enumerate(steps.tolist()):
         found = sample(evidence, step)
         command = controller.command(found.state, found.reference)
-        torques[i], sources[i] = command.torque, command.source
+        torques[i], sources[i] = command.control, command.source
         recorded[i], published[i] = found.torque, found.source
     ledger.compare(LAW, steps, {TORQUE_FIELD: recorded}, {TORQUE_FIELD: torques})
     current = evidence.scenario.method.current_sources(published)
@@ -148,7 +148,7 @@ class LadderAudit:
         found, at = sample(self._evidence, step), np.array([step])
         command = self._ladder.command(found.state, found.reference, None)
         sources = {_SOURCE: np.array([float(found.source)])}, {_SOURCE: np.array([command.source])}
-        torques = {TORQUE_FIELD: found.torque[None]}, {TORQUE_FIELD: command.torque[None]}
+        torques = {TORQUE_FIELD: found.torque[None]}, {TORQUE_FIELD: command.control[None]}
         linear = command.source == Source.NEIGHBORING_EXTREMAL
         scale = self._limit or max(float(np.abs(found.torque).max()), 1e-300)
         limit, unit = (SENSITIVE * scale, "N m") if linear else (None, "")

@@ -17,6 +17,7 @@ from spacecraft_gnc.ocp.linearization import Linearization, deviation, linearize
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.reference import is_moving
 from spacecraft_gnc.types import Vector3
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import SolveReport
 
 # Attitude [rad] off the plan up to which its neighbouring extremal is trusted.
 NEIGHBORHOOD = 0.2
@@ -47,21 +48,22 @@ class FallbackLadder:
 
     def command(self, state: State, reference: Reference, solution: Solution | None) -> Command:
         """Return the command of the highest rung that holds at ``state``."""
+        report = SolveReport(solution)
         if solution is not None and solution.converged and np.isfinite(solution.torques).all():
             self._plan, self._plan_step, self._neighborhood = solution, state.step, None
             corrected = solution.formulation == NEIGHBORING
             source = Source.NEIGHBORING_EXTREMAL if corrected else Source.OPTIMAL
-            return Command(solution.torques[0], source, solution)
+            return Command(solution.torques[0], source, report)
         ahead = state.step - self._plan_step
         if self._plan is not None and 0 < ahead < len(self._plan.torques):
             torque = self._corrected(self._plan, ahead, state, reference)
             if torque is not None:
-                return Command(torque, Source.NEIGHBORING_EXTREMAL, solution)
-            return Command(self._plan.torques[ahead], Source.SHIFTED_PLAN, solution)
+                return Command(torque, Source.NEIGHBORING_EXTREMAL, report)
+            return Command(self._plan.torques[ahead], Source.SHIFTED_PLAN, report)
         torque = self._ocp.realizable(self._feedback.torque(state, reference))
         if math.isfinite(float(torque @ torque)):
-            return Command(torque, Source.FEEDBACK, solution)
-        return Command(np.zeros(3), Source.ZERO, solution)
+            return Command(torque, Source.FEEDBACK, report)
+        return Command(np.zeros(3), Source.ZERO, report)
 
     def _continues(self, planned: Reference, ahead: int, reference: Reference) -> bool:
         """Tell whether a reference is where the planned one has moved to ``ahead`` steps on."""

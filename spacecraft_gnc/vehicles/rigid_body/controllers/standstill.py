@@ -22,10 +22,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from spacecraft_gnc.dynamics import state_units
-from spacecraft_gnc.loop.protocols import Standstill
 from spacecraft_gnc.ocp import AttitudeOcp, Solution
 from spacecraft_gnc.ocp.linearization import deviation, linearize
 from spacecraft_gnc.types import Array, Vector3
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import Standstill
 
 QUIET = 1e-3  # share of the error that motion and torque would cover in one horizon
 NEAR = 0.25  # share of the error within which the fixed point lies

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from spacecraft_gnc.loop.protocols import Controller, Reference, State
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ class Pricing:
         self._same = _same_problem(recorded, revised)
         self._hard = recorded.method.hard_limits
         self._ocp: AttitudeOcp | None = None
-        self._flown: Controller | None = None
+        self._flown: Controller[Any, Any] | None = None
         if not self._same and _is_penalised(recorded):
             self._ocp = problem_of(recorded)
             self._plain = replace(self._ocp, max_torque=0.0, zones=())
@@ -73,7 +74,7 @@ class Pricing:
     def recorded(self, state: State, reference: Reference, cost: float) -> Price:
         """Return the price of the plan that flew from ``state`` at a recorded ``cost``."""
         if self._flown is not None:
-            return self.new(self._flown.command(state, reference).solution, state)
+            return self.new(solution_of(self._flown.command(state, reference)), state)
         if self._ocp is not None:
             return Price(cost, cost, 0.0)
         return Price(cost)

@@ -9,16 +9,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop.closed_loop import FlightLog
+from spacecraft_gnc.loop.flight import End, FlightLog, Step
 from spacecraft_gnc.loop.protocols import Controller, GovernorDecision, Reference, State
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 from spacecraft_gnc.vehicles.rigid_body.resolve.prices import Price, Pricing
 
 if TYPE_CHECKING:
@@ -105,25 +106,25 @@ def resolve(
     controller.warm_up()
     controller.reset()
     pricing = Pricing(recorded, revised)
-    log, prices = FlightLog(len(chosen), flight.period), []
+    log, prices = FlightLog(type(flight), len(chosen), flight.period), []
     for i, k in enumerate(chosen):
         if cold:
             controller.reset()
         state, decision = _recorded(flight, int(k))
         command = controller.command(state, decision.reference)
-        log.add(i, state, flight.target[k], decision, command)
+        log.add(i, Step(state, flight.target[k], decision, command))
         as_flown = pricing.recorded(state, decision.reference, float(flight.cost[k]))
-        prices.append((as_flown, pricing.new(command.solution, state)))
+        prices.append((as_flown, pricing.new(solution_of(command), state)))
         if progress is not None:
             progress(i + 1, len(chosen))
     excerpt = _excerpt(flight, chosen)
-    answers = log.finish(state, decision.reference)
+    answers = log.finish(End(state, decision.reference))
     names = ("torque", "residual", "cost", "solve_time", "iterations", "status", "source")
     replayed = replace(excerpt, **{name: getattr(answers, name) for name in names})
     return Resolved(chosen, excerpt, replayed, tuple(prices))
 
 
-def _require_period(controller: Controller, flight: Trajectory) -> None:
+def _require_period(controller: Controller[Any, Any], flight: Trajectory) -> None:
     if not math.isclose(controller.period, flight.period, rel_tol=1e-9):
         raise ParameterError(
             f"nmpc_controller.time_step: received {controller.period:g} s; required the period of "

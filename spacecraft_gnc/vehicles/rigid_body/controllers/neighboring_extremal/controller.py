@@ -84,7 +84,7 @@ class NominalRunController:
         if not np.isfinite(torque).all():
             return self._exact.command(state, reference)
         torque = self._solver.ocp.realizable(torque)
-        return Command(torque, Source.NEIGHBORING_EXTREMAL, None)
+        return Command(torque, Source.NEIGHBORING_EXTREMAL)
 
     def solve(
         self, state: State, reference: Reference, warm_start: Array | None

@@ -1,0 +1,245 @@
+"""The record of one closed-loop flight: one array for each column that its vehicle declares."""
+
+from __future__ import annotations
+
+import dataclasses
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Generic, NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from typing_extensions import Self
+
+from spacecraft_gnc.arguments import require_path
+from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.loop.protocols import Command
+from spacecraft_gnc.types import Array
+
+_COLUMN_KEY: Final = "spacecraft_gnc.column"
+_SCENARIO: Final = "scenario"
+_DEFAULTS: Final = "scenario_defaults"
+_ITEM: Final = 8  # bytes of a number
+
+
+class Step(NamedTuple):
+    """One control step as the loop flew it."""
+
+    state: Any
+    """At the start of the step."""
+    target: Any
+    """What the governor is asked for."""
+    decision: Any
+    """The governor's, with the reference."""
+    command: Command
+
+
+class End(NamedTuple):
+    """What is known at the end of the last step."""
+
+    state: Any
+    reference: Any
+    """Of the last step."""
+
+
+class Column(NamedTuple):
+    """What a flight keeps of each step, or of its end."""
+
+    read: Callable[[Any], Any]
+    """Value at a `Step`, or at the `End`; None where there is none."""
+    shape: tuple[int, ...]
+    missing: float | int
+    """Where there is no value; an integer makes the column one of integers."""
+    signal: str
+    """Topic of the message that carries the value."""
+    member: str
+    """Dotted field of that message."""
+    at_end: bool
+
+    @property
+    def type(self) -> type:
+        """NumPy type of a number."""
+        return np.int64 if isinstance(self.missing, int) else np.float64
+
+
+def column(
+    read: Callable[[Step], Any],
+    shape: tuple[int, ...] = (),
+    *,
+    carried_by: str = "",
+    missing: float = np.nan,
+) -> Any:
+    """Return a field of a `Flight`: an array (n, *shape), row k of control step k.
+
+    ``carried_by``: ``"topic/field"`` of the message in which a recording has the value.
+    """
+    return _field(read, shape, carried_by, missing, at_end=False)
+
+
+def final(read: Callable[[End], Any], shape: tuple[int, ...] = (), *, carried_by: str = "") -> Any:
+    """Return a field of a `Flight`: an array of ``shape`` at the end of the last step."""
+    return _field(read, shape, carried_by, np.nan, at_end=True)
+
+
+def _field(
+    read: Callable[[Any], Any],
+    shape: tuple[int, ...],
+    carried_by: str,
+    missing: float,
+    *,
+    at_end: bool,
+) -> Any:
+    signal, _, member = carried_by.partition("/")
+    made = Column(read, shape, missing, signal, member, at_end)
+    return dataclasses.field(metadata={_COLUMN_KEY: made})
+
+
+@dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
+class Flight:
+    """Arrays of a flight; a vehicle's own class adds a `column` for each.
+
+    Attributes
+    ----------
+    period : float
+        Control period [s].
+    time : (n,) array
+        Start of each step [s].
+    """
+
+    period: float
+    time: Array
+
+    if TYPE_CHECKING:  # whoever knows no vehicle reads columns by name
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def n_steps(self) -> int:
+        """Number of control steps."""
+        return len(self.time)
+
+    @classmethod
+    def columns(cls) -> Iterator[tuple[str, Column]]:
+        """Yield (name, column) of what a flight keeps beside the time."""
+        for field in dataclasses.fields(cls):
+            if _COLUMN_KEY in field.metadata:
+                yield field.name, field.metadata[_COLUMN_KEY]
+
+    @classmethod
+    def bytes_per_step(cls) -> int:
+        """Return the memory that one step takes [bytes]."""
+        rows = (column.shape for _, column in cls.columns() if not column.at_end)
+        return _ITEM * (1 + sum(int(np.prod(shape)) for shape in rows))
+
+    def save(self, path: str | Path, scenario: str = "", defaults: str = "") -> Path:
+        """Write all arrays to a ``.npz`` file, whole or not at all.
+
+        Parameters
+        ----------
+        path
+            File to write.
+        scenario
+            Text of what flew, kept beside the arrays as ``scenario``; empty: not known.
+        defaults
+            Text of the defaults that it took (`Scenario.stated_defaults`), likewise.
+
+        Raises
+        ------
+        RecordingError
+            If the file cannot be written.
+        """
+        target = Path(require_path("path", path))
+        arrays = {item.name: getattr(self, item.name) for item in dataclasses.fields(self)}
+        for name, text in ((_SCENARIO, scenario), (_DEFAULTS, defaults)):
+            if text:
+                arrays[name] = np.array(text)
+        temporary = target.with_name(f".{target.name}.part")
+        try:
+            with temporary.open("wb") as stream:
+                np.savez_compressed(stream, **arrays)
+            temporary.replace(target)
+        except OSError as err:
+            if temporary.is_file():
+                temporary.unlink()
+            raise RecordingError(
+                f"{target}: cannot be written ({err.strerror or err}); required a writable folder "
+                "with room for the file; choose another --out"
+            ) from err
+        return target
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a file written by `save` of this class.
+
+        Raises
+        ------
+        RecordingError
+            If it is missing, damaged or not such a file.
+        """
+        names = (item.name for item in dataclasses.fields(cls))
+        values = _read(require_path("path", path), *names)
+        values["period"] = float(values["period"])
+        return cls(**values)
+
+    @staticmethod
+    def load_scenario(path: str | Path) -> str:
+        """Read the scenario in a file written by `save`; empty where it holds none."""
+        return str(_read(path, _SCENARIO).get(_SCENARIO, ""))
+
+    @staticmethod
+    def load_defaults(path: str | Path) -> str:
+        """Read the defaults in a file written by `save`; empty where it holds none."""
+        return str(_read(path, _DEFAULTS).get(_DEFAULTS, ""))
+
+
+_Kind = TypeVar("_Kind", bound=Flight)
+
+
+class FlightLog(Generic[_Kind]):
+    """Preallocated arrays of a flight of ``n`` control steps of ``period`` [s]."""
+
+    def __init__(self, kind: type[_Kind], n: int, period: float) -> None:
+        self._kind, self._period = kind, period
+        columns = list(kind.columns())
+        self._columns = [(name, column) for name, column in columns if not column.at_end]
+        self._finals = [(name, column) for name, column in columns if column.at_end]
+        self._time = np.asarray(period * np.arange(n), dtype=np.float64)
+        self._rows: dict[str, NDArray[Any]] = {
+            name: np.full((n, *column.shape), column.missing, column.type)
+            for name, column in self._columns
+        }
+
+    def add(self, k: int, step: Step) -> None:
+        """Store control step k."""
+        for name, column in self._columns:
+            value = column.read(step)
+            if value is not None:
+                self._rows[name][k] = value
+
+    def finish(self, end: End) -> _Kind:
+        """Close the record with what is known at the end of the last step."""
+        finals = {name: column.read(end) for name, column in self._finals}
+        return self._kind(period=self._period, time=self._time, **self._rows, **finals)
+
+
+def _read(path: str | Path, *names: str) -> dict[str, Any]:
+    """Return members of a file by name; of a file of before it held texts, none of them."""
+    try:
+        with Path(path).open("rb") as stream, zipfile.ZipFile(stream) as members:
+            known = set(members.namelist())
+            texts = (_SCENARIO, _DEFAULTS)
+            wanted = [n for n in names if n not in texts or f"{n}.npy" in known]
+            return {name: _member(members, name) for name in wanted}
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile, zlib.error, EOFError) as err:
+        raise RecordingError(
+            f"{path}: cannot be read as a flight ({err}); required a .npz file written by "
+            "`gnc simulate --out`; fly again"
+        ) from err
+
+
+def _member(members: zipfile.ZipFile, name: str) -> Any:
+    # One array at a time: np.load leaves the file open where the archive is torn.
+    with members.open(f"{name}.npy") as stream:
+        return np.lib.format.read_array(stream, allow_pickle=False)

@@ -1,0 +1,46 @@
+"""What a method of the rigid body reports beside its torque: the solve, and a standstill."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from spacecraft_gnc.loop.protocols import Command
+
+if TYPE_CHECKING:  # the solvers' kernels take long to import
+    from spacecraft_gnc.ocp.solution import Solution, Status
+
+
+class Standstill(NamedTuple):
+    """A loop that came to rest away from its target."""
+
+    radius: float
+    """Spectral radius of the closed loop linearized there; above 1 it is unstable [-]."""
+    escaping: bool
+    """Whether the command leaves it by a small torque added to the optimal one."""
+    active_constraint: str
+    """Constraint that it leans on: a zone's name, ``"torque limit"``, or empty."""
+
+
+class SolveReport(NamedTuple):
+    """The solve behind a command."""
+
+    solution: Solution | None
+    """None where the solver refused the state or the reference."""
+    standstill: Standstill | None = None
+    """The standstill that the loop is at; None: at none, or none was looked for."""
+
+    @property
+    def status(self) -> Status | None:
+        """How the step ended: the solve's status, or what the standstill says; None: no solve."""
+        if self.solution is None:
+            return None
+        solved = self.solution.status
+        if self.standstill is None:
+            return solved
+        statuses = type(solved)  # `ocp.Status`: to import it here would load the kernels
+        return statuses.ESCAPING if self.standstill.escaping else statuses.STALLED
+
+
+def solution_of(command: Command) -> Solution | None:
+    """Return the solve behind a command; None where none was made."""
+    return None if command.report is None else command.report.solution

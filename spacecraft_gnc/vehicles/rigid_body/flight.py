@@ -1,0 +1,111 @@
+"""The record of a rigid body's flight."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.loop.flight import Flight, Step, column, final
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
+
+
+def _of_solve(name: str) -> Callable[[Step], Any]:
+    """Return what reads an attribute of the solve behind a command; None without a solve."""
+
+    def read(step: Step) -> Any:
+        solution = solution_of(step.command)
+        return None if solution is None else getattr(solution, name)
+
+    return read
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class RigidBodyFlight(Flight):
+    """Arrays of a flight: row k belongs to control step k, ``final_*`` to the end of the last step.
+
+    Attributes
+    ----------
+    attitude : (n, 3, 3) array
+        Rotation, body to inertial.
+    momentum : (n, 3) array
+        Angular momentum, body frame [N m s].
+    torque : (n, 3) array
+        Body torque held over the step [N m].
+    reference : (n, 3, 3) array
+        Attitude tracked, body to inertial.
+    target : (n, 3, 3) array
+        Attitude that the governor is asked for, body to inertial; NaN where it is not known.
+    iterations, status, source : (n,) arrays of int
+        Of the solve behind the torque: iterations, 0 without a solve; `Command.status` as a number
+        of `ocp.Status`, -1 without a solve; `loop.Source`.
+    residual, cost, solve_time : (n,) arrays
+        Residual of the optimality conditions, optimal cost of the horizon, wall time [s]; NaN
+        without a solve.
+    alpha, governor_margin : (n,) arrays
+        Of the governor's decision: share of the way to the target, smallest margin of its
+        prediction (infinite where nothing is predicted); NaN where it was not recorded.
+    final_attitude, final_momentum, final_reference : (3, 3), (3,), (3, 3) arrays
+        State at the end of the flight, and the last reference.
+    """
+
+    attitude: Array = column(
+        lambda step: step.state.attitude, (3, 3), carried_by="attitude_state/attitude"
+    )
+    momentum: Array = column(
+        lambda step: step.state.momentum, (3,), carried_by="attitude_state/angular_momentum"
+    )
+    torque: Array = column(
+        lambda step: step.command.control, (3,), carried_by="torque_command/torque"
+    )
+    reference: Array = column(
+        lambda step: step.decision.reference.attitude,
+        (3, 3),
+        carried_by="attitude_reference/attitude",
+    )
+    target: Array = column(lambda step: step.target, (3, 3), carried_by="target_attitude/attitude")
+    iterations: NDArray[np.int64] = column(
+        _of_solve("iterations"), carried_by="solver_status/iterations", missing=0
+    )
+    residual: Array = column(_of_solve("residual"), carried_by="solver_status/residual")
+    cost: Array = column(_of_solve("cost"), carried_by="solver_status/cost")
+    solve_time: Array = column(_of_solve("solve_time"), carried_by="solver_status/wall_solve_time")
+    status: NDArray[np.int64] = column(
+        lambda step: step.command.status, carried_by="solver_status/status", missing=-1
+    )
+    source: NDArray[np.int64] = column(
+        lambda step: step.command.source, carried_by="torque_command/source", missing=-1
+    )
+    alpha: Array = column(lambda step: step.decision.alpha, carried_by="governor_status/alpha")
+    governor_margin: Array = column(
+        lambda step: step.decision.margin, carried_by="governor_status/margin"
+    )
+    final_attitude: Array = final(
+        lambda end: end.state.attitude, (3, 3), carried_by="attitude_state/attitude"
+    )
+    final_momentum: Array = final(
+        lambda end: end.state.momentum, (3,), carried_by="attitude_state/angular_momentum"
+    )
+    final_reference: Array = final(
+        lambda end: end.reference.attitude, (3, 3), carried_by="attitude_reference/attitude"
+    )
+
+    def __repr__(self) -> str:
+        """Return the flight in one line."""
+        if not self.n_steps:
+            return "Flight(0 steps)"
+        first = math.degrees(lie.angle_between(self.reference[0], self.attitude[0]))
+        last = math.degrees(lie.angle_between(self.final_reference, self.final_attitude))
+        largest = float(np.linalg.norm(self.torque, axis=1).max())
+        solves, solved = np.count_nonzero(self.status >= 0), np.count_nonzero(self.status == 0)
+        return (
+            f"Flight({self.n_steps} steps of {self.period:g} s, {self.n_steps * self.period:g} "
+            f"s in all, {first:.4g} to {last:.4g} deg from the reference, largest torque "
+            f"{largest:.4g} N m, {solved} of {solves} solves converged)"
+        )
