@@ -95,11 +95,6 @@ class Scenario:
         return registry.known_method(self.vehicle, self.controller.method)
 
     @property
-    def traits(self) -> Method:
-        """The method."""
-        return self.method
-
-    @property
     def law(self) -> GovernorLaw:
         """The law of the governor.
 

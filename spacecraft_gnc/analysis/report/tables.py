@@ -111,7 +111,7 @@ def _method(run: Run) -> str:
         return "unknown"
     controller, governor = run.scenario.controller, run.scenario.governor.governor
     parts = [controller.method]
-    parts += [f"N = {controller.horizon}"] if "horizon" in run.scenario.traits.reads else []
+    parts += [f"N = {controller.horizon}"] if "horizon" in run.scenario.method.reads else []
     parts += [f"governor {governor}"] if governor != "none" else []
     return _text(", ".join(parts))
 
