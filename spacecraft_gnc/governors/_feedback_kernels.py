@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from spacecraft_gnc._kernels import kernel
-from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia, body_inverse_inertia
+from spacecraft_gnc.dynamics._lgvi_kernels import body_inverse_inertia
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     dot,
@@ -24,7 +24,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     sub,
     vee_antisymmetric,
 )
-from spacecraft_gnc.ocp._track_kernels import is_moving
+from spacecraft_gnc.ocp._track_kernels import is_moving, start_of_motion
 
 
 @kernel
@@ -60,10 +60,10 @@ def feedback_torque(law, E, Pi):
 
 
 @kernel
-def tracking_torque(law, body, E, Pi, omega, tau):
-    """T = E^T tau - K (Pi - J E^T omega) - e, scaled down to the limit."""
-    off = sub(Pi, mat_vec(body_inertia(body), mat_t_vec(E, omega)))
-    return _limited(law, add(mat_t_vec(E, tau), _demand(law, E, off)))
+def tracking_torque(law, body, h, E, Pi, omega, tau):
+    """T = u_ref - K (Pi - Pi_ref) - e of a moving reference, scaled down to the limit."""
+    Pi_ref, u_ref = start_of_motion(body, h, mat_t_vec(E, omega), mat_t_vec(E, tau))
+    return _limited(law, add(u_ref, _demand(law, E, sub(Pi, Pi_ref))))
 
 
 @kernel
@@ -76,12 +76,12 @@ def lyapunov(law, body, E, Pi):
 
 
 @kernel
-def command(law, body, states, torque):
+def command(law, body, h, states, torque):
     """Write the torque (1, 3) at ``states`` (9, 3): rows C, Pi, V, omega, tau."""
     E, Pi = mat_t_mat(load9_rows(states, 4), load9_rows(states, 0)), load3(states, 3)
     omega, tau = load3(states, 7), load3(states, 8)
     if is_moving(omega, tau):
-        store3(torque, 0, tracking_torque(law, body, E, Pi, omega, tau))
+        store3(torque, 0, tracking_torque(law, body, h, E, Pi, omega, tau))
     else:
         store3(torque, 0, feedback_torque(law, E, Pi))
 

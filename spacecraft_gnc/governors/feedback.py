@@ -8,7 +8,10 @@ equilibria E is half a turn about an eigenvector of A.
 
 A reference that turns at omega with the torque tau, both in its own frame, is tracked by
 
-    T = E^T tau - K (Pi - J E^T omega) - e.
+    T = E^T tau - K (Pi - J E^T omega) - e
+
+where the body is continuous; the integrator's momentum and torque of such a turn differ a little
+(docs/solver.md, "A moving reference").
 
 Source: Kalabic et al. 2014, (8)-(10), which print one letter for the matrix E and the vector e.
 """
@@ -56,6 +59,9 @@ class AttitudeFeedback:
         Body frame [kg m^2].
     max_torque : float
         Limit on the norm of T [N m]; 0 means none. Where it acts, W may grow.
+    plant_step : float
+        Step [s] of the integrator whose momentum is measured; 0 for a continuous body. Read for
+        moving references only.
 
     Raises
     ------
@@ -67,6 +73,7 @@ class AttitudeFeedback:
     momentum_gain: ArrayLike
     inertia: ArrayLike
     max_torque: float = 0.0
+    plant_step: float = 0.0
     law: Array = field(init=False, repr=False)
     body: Array = field(init=False, repr=False)
 
@@ -87,17 +94,18 @@ class AttitudeFeedback:
         for name, value in (
             ("attitude_gain", attitude), ("momentum_gain", momentum), ("inertia", inertia),
             ("max_torque", max_torque), ("law", law), ("body", pack_inertia(inertia)),
+            ("plant_step", as_limit("plant_step", self.plant_step)),
         ):  # fmt: skip
             object.__setattr__(self, name, value)
 
     @classmethod
     def critically_damped(
-        cls, inertia: Matrix3, period: float, max_torque: float = 0.0
+        cls, inertia: Matrix3, period: float, max_torque: float = 0.0, plant_step: float = 0.0
     ) -> AttitudeFeedback:
         """Return the law with A = J omega^2 / 2, K = 2 omega I and omega = `BANDWIDTH` / period."""
         bandwidth = BANDWIDTH / require_positive("period", period)
         gain = 0.5 * bandwidth**2 * as_inertia("inertia", inertia)
-        return cls(gain, 2.0 * bandwidth, inertia, max_torque)
+        return cls(gain, 2.0 * bandwidth, inertia, max_torque, plant_step)
 
     @property
     def stiffness(self) -> Matrix3:
@@ -122,7 +130,7 @@ class AttitudeFeedback:
             rows[7] = as_shaped("reference.angular_velocity", rate, (3,))
             rows[8] = as_shaped("reference.torque", feedforward, (3,))
         rows[:7] = _packed(state, reference)
-        kernels.command(self.law, self.body, rows, torque)
+        kernels.command(self.law, self.body, self.plant_step, rows, torque)
         return np.asarray(torque[0])
 
     def lyapunov(self, state: State, reference: Matrix3) -> float:

@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.arguments import require_positive
+from spacecraft_gnc.arguments import as_limit, require_positive
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors._rotation_spline import RotationSpline
 from spacecraft_gnc.types import (
@@ -118,6 +118,9 @@ class StoredTrajectory:
     torques : (n, 3) array, optional
         Torque at each time [N m], own frame, taken linearly between the rows; what the inertia
         needs if absent. It is that of the middle of a control step, over which it is held.
+    plant_step : float
+        Step [s] of the integrator that is to follow, 0 for a continuous body: it takes a torque in
+        at the end of each of its steps, on average so much later.
 
     Raises
     ------
@@ -137,9 +140,11 @@ class StoredTrajectory:
         inertia: ArrayLike,
         period: float,
         torques: ArrayLike | None = None,
+        plant_step: float = 0.0,
     ) -> None:
         self._spline = RotationSpline(times, attitudes, angular_velocities, torques)
         self._period = require_positive("period", period)
+        self._middle = 0.5 * (self._period + as_limit("plant_step", plant_step))
         self._inertia = as_inertia("inertia", inertia)
         self.reset()
 
@@ -168,7 +173,7 @@ class StoredTrajectory:
         time, spline = state.step * self._period, self._spline
         self._target = read_only(spline.attitude(time))
         rate, _ = spline.motion(time)
-        middle = time + 0.5 * self._period
+        middle = time + self._middle
         torque = spline.torque(middle)
         if torque is None:
             torque = feedforward_torque(self._inertia, *spline.motion(middle))

@@ -10,7 +10,8 @@ of the terms of a lam2, below whose rounding no solve can get.
 
 LOG_FORM is 1 for the cost of Kalabic et al. 2014, (24)-(26), and 0 for that of Gupta et al. 2015,
 (27), (28); only the former reads Q_RATE (lambda Q2 / h^2) and P_LOG (6 x 6 weight of (Z, Pi)).
-MU0 is infinite for a hard torque limit.
+MU0 is infinite for a hard torque limit. PLANT_H is read for moving references only: the step of the
+integrator whose momentum is measured.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from spacecraft_gnc.lie._mat3_kernels import dot, mat_vec
 
 H, ALPHA, MU0 = 0, 1, 2
 Q1, P1, S_Q2, S_P2, LOG_FORM, Q_RATE, P_LOG = 3, 12, 21, 30, 39, 40, 49
-U_UNIT, MADE_OF, MADE_OF_PI, M_U, D_U = 85, 86, 87, 88, 89
+U_UNIT, MADE_OF, MADE_OF_PI, PLANT_H, M_U, D_U = 85, 86, 87, 88, 89, 90
 
 
 @kernel

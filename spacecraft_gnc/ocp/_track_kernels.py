@@ -28,7 +28,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
     scale,
     sub,
 )
-from spacecraft_gnc.ocp._data_kernels import D_U, LOG_FORM, M_U, P1, Q1, H, data3, data9
+from spacecraft_gnc.ocp._data_kernels import D_U, LOG_FORM, M_U, P1, PLANT_H, Q1, H, data3, data9
 
 TERMINAL_AT, END_AT, PI_AT, STRIDE_AT, STAGES_AT, STAGE_SIZE = 0, 9, 18, 21, 22, 21
 
@@ -76,7 +76,7 @@ def is_moving(omega, tau):
 
 @kernel
 def start_of_motion(body, h, omega, tau):
-    """Pi_0 and u_ref of a reference that turns at omega with the torque tau.
+    """Pi_0 and u_ref of a body, integrated by steps h, that turns at omega with the torque tau.
 
     Where tau is omega x J omega they are those of F = exp(h hat(omega)), h hat(Pi) = F J_d - J_d
     F^T and u = (I - F^T) Pi / h in closed form, and every step makes that turn. What tau has
@@ -111,7 +111,8 @@ def _store_stage(data, R, Pi, track, at):
 def set_track(body, data, R, omega, tau, track):
     """Fill ``track`` for a reference at R that moves by omega and tau; returns whether it can.
 
-    It moves as the integrator carries it on, with u_ref held over the horizon.
+    It starts with the momentum that the plant has on its way, and moves as the prediction carries
+    it on with u_ref held over the horizon: a body on its way is to do just that.
     """
     m, h, Pi, ok = int(data[M_U]), data[H], (0.0, 0.0, 0.0), True
     controls = track.shape[0] - m
@@ -120,7 +121,7 @@ def set_track(body, data, R, omega, tau, track):
         track[controls + i] = 0.0
     if is_moving(omega, tau):
         track[STRIDE_AT] = STAGE_SIZE
-        Pi, u = start_of_motion(body, h, omega, tau)
+        Pi, u = start_of_motion(body, data[PLANT_H], omega, tau)
         for i in range(m):
             track[controls + i] = dot(data3(data, D_U + 4 * m + 3 * i), u)
         for k in range((controls - STAGES_AT) // STAGE_SIZE):

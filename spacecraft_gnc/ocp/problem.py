@@ -86,6 +86,9 @@ class AttitudeOcp:
     actuators : (3, m) array, optional
         Matrix B: torque = B u, body frame. The identity if absent. For m other than 3 the weight
         ``stage_torque`` must be a number q, which stands for q |u|^2.
+    plant_step : float, optional
+        Step [s] of the integrator whose momentum is measured, 0 for a continuous body; the time
+        step if absent. Only the momentum of a moving reference depends on it.
 
     Raises
     ------
@@ -101,6 +104,7 @@ class AttitudeOcp:
     torque_penalty: float = 1.0e10
     zones: tuple[PointingZone, ...] = ()
     actuators: ArrayLike | None = None
+    plant_step: float | None = None
     body: RigidBody = field(init=False, repr=False, compare=False)
     data: Array = field(init=False, repr=False, compare=False)
     zone_rows: Array = field(init=False, repr=False, compare=False)
@@ -138,6 +142,9 @@ class AttitudeOcp:
             "max_torque": limit,
             "torque_penalty": weighed("torque_penalty", self.torque_penalty),
             "zones": as_zones(self.zones),
+            "plant_step": as_limit(
+                "plant_step", body.time_step if self.plant_step is None else self.plant_step
+            ),
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -258,7 +265,7 @@ def _pack(ocp: AttitudeOcp) -> Array:
         _half_trace_minus(w.terminal_momentum).ravel(),
         np.zeros(_data_kernels.U_UNIT - _data_kernels.LOG_FORM),  # read in the log form only
         _scales(ocp),
-        np.array([float(ocp.n_controls)]),
+        np.array([float(ocp.plant_step or 0.0), float(ocp.n_controls)]),
         ocp.control_weights,
         (ocp.torque_map @ ocp.control_axes).T.ravel(),
         (ocp.control_axes.T @ ocp.allocation).ravel(),

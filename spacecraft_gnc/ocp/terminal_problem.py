@@ -181,7 +181,7 @@ class TerminalSetOcp(AttitudeOcp):
                 (scale / self.time_step**2 * rate).ravel(),
                 self.terminal.riccati.ravel(),
                 self._scales(weights),
-                [3.0],
+                [self.time_step, 3.0],
                 *tail,
             ]
         )

@@ -36,7 +36,7 @@ class FallbackLadder:
     def __init__(self, ocp: AttitudeOcp) -> None:
         self._ocp = ocp
         self._feedback = AttitudeFeedback.critically_damped(
-            ocp.body.inertia, ocp.time_step, ocp.max_torque
+            ocp.body.inertia, ocp.time_step, ocp.max_torque, float(ocp.plant_step or 0.0)
         )
         self.reset()
 

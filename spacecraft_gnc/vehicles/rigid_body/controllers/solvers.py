@@ -283,4 +283,5 @@ def problem_of(scenario: Scenario) -> AttitudeOcp:
         torque_penalty=c.torque_penalty,
         zones=zones_of(scenario),
         actuators=c.actuators if c.actuators.size else None,
+        plant_step=scenario.plant.time_step,
     )

@@ -39,7 +39,8 @@ class FeedbackController:
         c = scenario.controller
         inertia = known_inertia(scenario, "nmpc_controller", c.inertia)
         gains = c.feedback_attitude_gain, c.feedback_momentum_gain
-        return cls(AttitudeFeedback(*gains, inertia, c.max_torque), scenario.period)
+        step = scenario.plant.time_step
+        return cls(AttitudeFeedback(*gains, inertia, c.max_torque, step), scenario.period)
 
     def warm_up(self) -> None:
         """Load the kernel."""
