@@ -20,11 +20,10 @@ from spacecraft_gnc.errors import ParameterError, RecordingError
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.reader import Flight
     from spacecraft_gnc.scenario import Scenario
-    from spacecraft_gnc.vehicles.rigid_body.resolve.replay import Resolved
+    from spacecraft_gnc.vehicles.replay import VehicleReplay
 
 _STEPS: Final = re.compile(r"(\d*):(\d*)")
 _CONTROLLER: Final = "nmpc_controller"
-_COUNTS: Final = 1e-3  # share of the largest difference of the costs
 
 
 class Solving(NamedTuple):
@@ -52,9 +51,8 @@ def solve_again(wish: Solving) -> None:
         If the controller that flew does not command the same again, where it has to.
     """
     from spacecraft_gnc.analysis.reader import load_run
+    from spacecraft_gnc.analysis.vehicle import part
     from spacecraft_gnc.scenario import revise
-    from spacecraft_gnc.vehicles.rigid_body.resolve.comparison import compare
-    from spacecraft_gnc.vehicles.rigid_body.resolve.replay import resolve
 
     require_folder(wish.out)
     flight = load_run(wish.source, namespace=wish.namespace, allow_unfinished=wish.unfinished)
@@ -62,8 +60,9 @@ def solve_again(wish: Solving) -> None:
     revised, unread = revise(recorded, wish.overrides, wish.method)
     same = revised.values[_CONTROLLER] == recorded.values[_CONTROLLER]
     steps = _steps(wish.steps, flight.trajectory.n_steps)
+    vehicle: VehicleReplay = part("resolve", recorded)
     with show_progress("solving", silent=wish.quiet or wish.as_json) as progress:
-        resolved = resolve(
+        resolved = vehicle.resolve(
             flight.trajectory,
             recorded,
             recorded if same else revised,
@@ -74,16 +73,16 @@ def solve_again(wish: Solving) -> None:
     check = None
     if same and _must_repeat(wish, flight, recorded, resolved):
         check = "exact" if resolved.first_difference is None else "differs"
-    numbers = compare(resolved, recorded, revised) | {"check": check}
+    numbers = vehicle.compare(resolved, recorded, revised) | {"check": check}
     files: list[Path] = []
     if wish.out is not None:
-        files = _draw(wish.source, wish.out, resolved, (recorded, revised))
+        files = _draw(wish.source, wish.out, vehicle, resolved, (recorded, revised))
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
     if wish.as_json:
         print_json({"source": wish.source, "cold": wish.cold, "not_read": unread, **numbers})
     elif not wish.quiet:
-        _print(wish, flight, numbers, unread)
+        _print(wish, flight, vehicle, numbers, unread)
         for file in files:
             print(file)
     if check == "differs":
@@ -92,8 +91,8 @@ def solve_again(wish: Solving) -> None:
             doubt = f"--scenario names what flew, and whether {doubt}"
         raise RunFailed(
             f"{wish.source}: step {numbers['first_difference']}: {recorded.controller.method} "
-            "commands another torque than it did in this lockstep flight; required the same bit "
-            f"for bit; find out whether {doubt}"
+            f"commands another {vehicle.control} than it did in this lockstep flight; required the "
+            f"same bit for bit; find out whether {doubt}"
         )
 
 
@@ -124,7 +123,7 @@ def _steps(text: str | None, n_steps: int) -> tuple[int, int]:
     return int(match[1] or 0), int(match[2] or n_steps)
 
 
-def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Resolved) -> bool:
+def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Any) -> bool:
     """Tell whether a controller has to command again what it did: the same past, step by step."""
     disturbed = flight.info.missing or flight.info.overridden
     whole_past = resolved.steps[0] == 0 and not wish.cold
@@ -132,18 +131,27 @@ def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Re
 
 
 def _draw(
-    source: Path, folder: Path, resolved: Resolved, scenarios: tuple[Scenario, Scenario]
+    source: Path,
+    folder: Path,
+    vehicle: VehicleReplay,
+    resolved: Any,
+    scenarios: tuple[Scenario, Scenario],
 ) -> list[Path]:
     from spacecraft_gnc.drawing.figures import save_figures
-    from spacecraft_gnc.vehicles.rigid_body.resolve.comparison import figure
 
     recorded, revised = (scenario.controller.method for scenario in scenarios)
     names = (recorded, f"{revised} again" if revised == recorded else revised)
-    drawn = figure(resolved, names, "/".join(source.resolve().parts[-2:]))
+    drawn = vehicle.figure(resolved, names, "/".join(source.resolve().parts[-2:]))
     return save_figures([("replay", drawn)], folder, ("png", "svg"))
 
 
-def _print(wish: Solving, flight: Flight, m: dict[str, Any], unread: tuple[str, ...]) -> None:
+def _print(
+    wish: Solving,
+    flight: Flight,
+    vehicle: VehicleReplay,
+    m: dict[str, Any],
+    unread: tuple[str, ...],
+) -> None:
     """Print the table."""
     period = flight.trajectory.period
     history = "each from a cold start" if wish.cold else "warm along the flight"
@@ -152,104 +160,11 @@ def _print(wish: Solving, flight: Flight, m: dict[str, Any], unread: tuple[str, 
         f"{m['replayed']['method']}, {history}"
     )
     rows = [("", "as flown", "replayed")]
-    rows += _sides(m["recorded"], m["replayed"])
+    rows += vehicle.sides(m["recorded"], m["replayed"])
     widths = [max(len(row[i]) for row in rows) for i in range(2)]
     for label, old, new in rows:
         print(f"  {label:<{widths[0]}}  {old:<{widths[1]}}  {new}".rstrip())
-    for label, text in _differences(m, period):
+    for label, text in vehicle.differences(m, period):
         print(f"  {label:<{widths[0]}}  {text}")
     if unread:
         print(f"  {'not read':<{widths[0]}}  {', '.join(unread)}")
-
-
-def _sides(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
-    return [
-        ("method", old["method"], new["method"]),
-        ("largest torque", _number(old["max_torque"], "N m"), _number(new["max_torque"], "N m")),
-        ("iterations a solve", _iterations(old), _iterations(new)),
-        ("largest residual", _number(old["residual_max"]), _number(new["residual_max"])),
-        ("time a solve", _time(old), _time(new)),
-        ("steps not solved", _count(old["unconverged_steps"]), _count(new["unconverged_steps"])),
-        ("torque from", _sources(old), _sources(new)),
-        *_standstills(old, new),
-    ]
-
-
-def _standstills(old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
-    """Return the rows on standstills away from the target, where either side had one."""
-    rows = {"steps at a standstill": "stalled_steps", "standstill escapes": "escaping_steps"}
-    return [
-        (label, _count(old[name]), _count(new[name]))
-        for label, name in rows.items()
-        if old[name] or new[name]
-    ]
-
-
-def _differences(m: dict[str, Any], period: float) -> list[tuple[str, str]]:
-    """Return the rows that hold for both together."""
-    steps, same = m["steps"], m["identical_steps"]
-    equal = f"{same} of {steps} steps, bit for bit"
-    if m["check"] == "exact":
-        equal += ": the flight is repeated exactly, as a lockstep flight has to be"
-    elif same < steps:
-        equal += f"; the first other one at step {m['first_difference']}"
-    rows = [("equal torques", equal)]
-    torque = _at(m, "torque_difference", "N m", period)
-    rows.append(("torque difference", torque))
-    if m["cost_difference_max"] is None:
-        rows.append(("cost difference", "-, no plans to compare by the recorded problem"))
-    elif not _penalties_count(m):
-        rows.append(("cost difference", _at(m, "cost_difference", "", period)))
-    else:
-        without = f"{_at(m, 'plain_cost_difference', '', period)}, without penalties"
-        rows += [("cost difference", without), ("penalties", _penalties(m, period))]
-    return rows
-
-
-def _penalties_count(m: dict[str, Any]) -> bool:
-    """Tell whether a penalty is so large beside the cost that it would blur the comparison."""
-    penalty, plain = m["penalty_max"], m["plain_cost_difference_max"]
-    return penalty is not None and plain is not None and penalty > _COUNTS * abs(plain)
-
-
-def _penalties(m: dict[str, Any], period: float) -> str:
-    """Say which plan pays most for leaving a limit of the recorded problem, and by how much."""
-    step, torque, zone = (m[f"penalty_{n}"] for n in ("step", "torque_excess", "zone_excess_deg"))
-    text = f"{_number(m['penalty_max'])} at the most (step {step}, {step * period:g} s)"
-    excess = [f"{torque:.2g} N m above the torque limit"] if torque and torque > 0.0 else []
-    excess += [f"{zone:.2g} deg inside a zone"] if zone and zone > 0.0 else []
-    which = "the plan as flown" if m["penalty_side"] == "recorded" else "the plan replayed"
-    return f"{text}: {which} is {' and '.join(excess)}" if excess else text
-
-
-def _at(m: dict[str, Any], name: str, unit: str, period: float) -> str:
-    step = m[f"{name}_max_step"]
-    largest, rms = _number(m[f"{name}_max"], unit), _number(m[f"{name}_rms"], unit)
-    if m[f"{name}_rms"] == 0.0:
-        return f"{largest} in every step"
-    return f"{largest} at the most (step {step}, {step * period:g} s), {rms} rms"
-
-
-def _number(value: float | None, unit: str = "") -> str:
-    return "-" if value is None else f"{value:.6g} {unit}".rstrip()
-
-
-def _iterations(side: dict[str, Any]) -> str:
-    if side["iterations_median"] is None:
-        return "-"
-    return f"{side['iterations_median']:.3g} median, {side['iterations_max']} most"
-
-
-def _count(steps: int | None) -> str:
-    return "-" if steps is None else str(steps)
-
-
-def _time(side: dict[str, Any]) -> str:
-    median, p99 = side["solve_time_median"], side["solve_time_p99"]
-    if median is None:
-        return "-"
-    return f"{1e6 * median:.0f} us median, {1e6 * p99:.0f} us 99 %"
-
-
-def _sources(side: dict[str, Any]) -> str:
-    return ", ".join(f"{name} {count}" for name, count in side["sources"].items())

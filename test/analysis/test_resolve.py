@@ -13,7 +13,8 @@ from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.scenario import load, revise
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
-from spacecraft_gnc.vehicles.rigid_body.resolve.comparison import compare, figure
+from spacecraft_gnc.vehicles.rigid_body.resolve.comparison import compare
+from spacecraft_gnc.vehicles.rigid_body.resolve.figure import figure
 from spacecraft_gnc.vehicles.rigid_body.resolve.replay import resolve
 
 CONFIG = DATA.parents[1] / "config"

@@ -41,4 +41,5 @@ VEHICLE: Final = Vehicle(
     report=_lazy("report:REPORT"),
     signals=_lazy("signals:SIGNALS"),
     outputs=_lazy("outputs:Outputs"),
+    resolve=_lazy("resolve:REPLAY"),
 )
