@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,36 +16,13 @@ from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.envelope import strided
 from spacecraft_gnc.drawing.geometry import circle, graticule
 from spacecraft_gnc.drawing.traces import label, packed
+from spacecraft_gnc.drawing.zones import Zone, unit
 from spacecraft_gnc.types import Array
 
 _LIFT: Final = 1.004  # radius of the zones, so that the sphere does not hide them
 _RINGS: Final = 10
 _SECTORS: Final = 72
 _BODY_AXES: Final = {"body x": (1, 0, 0), "body y": (0, 1, 0), "body z": (0, 0, 1)}
-
-
-class Zone(Protocol):
-    """A cone of the inertial frame about which a body axis is told."""
-
-    @property
-    def name(self) -> str:
-        """Of the zone."""
-
-    @property
-    def kind(self) -> str:
-        """``exclusion`` or ``inclusion``."""
-
-    @property
-    def body_axis(self) -> Array:
-        """(3,), of any length."""
-
-    @property
-    def inertial_axis(self) -> Array:
-        """(3,), of any length."""
-
-    @property
-    def half_angle_deg(self) -> float:
-        """Of the cone [deg]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,10 +124,11 @@ def _readout(motion: Motion, chosen: NDArray[np.int64]) -> Iterator[dict[str, An
 
 
 def _zone_data(zone: Zone) -> dict[str, Any]:
-    axis = np.asarray(zone.inertial_axis) / np.linalg.norm(zone.inertial_axis)
-    body_axis = np.asarray(zone.body_axis) / np.linalg.norm(zone.body_axis)
-    named = [name for name, unit in _BODY_AXES.items() if np.allclose(body_axis, unit, atol=1e-12)]
-    points = cap(axis, math.radians(zone.half_angle_deg))
+    body_axis = unit(zone.body_axis)
+    named = [
+        name for name, along in _BODY_AXES.items() if np.allclose(body_axis, along, atol=1e-12)
+    ]
+    points = cap(unit(zone.inertial_axis), math.radians(zone.half_angle_deg))
     where = named[0] if named else "its boresight"
     return {
         "name": label(f"{zone.name}: {zone.kind} for {where}, {zone.half_angle_deg:.4g}°"),

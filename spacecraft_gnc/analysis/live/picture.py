@@ -10,11 +10,10 @@ from typing import Any, Final
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.drawing.zones import Zone, pointing_margin_deg, unit
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.types import Matrix3, Vector3
-from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
-from spacecraft_gnc.vehicles.rigid_body.series import pointing_margin_deg
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
 _STATUSES: Final = (
@@ -89,7 +88,7 @@ class Setup:
     method: str = ""
     governor: str = ""
     target: Matrix3 | None = None
-    zones: tuple[ZoneParameters, ...] = ()
+    zones: tuple[Zone, ...] = ()
 
     @classmethod
     def of(cls, scenario: Scenario, title: str, *, live: bool) -> Setup:
@@ -124,8 +123,8 @@ class Setup:
                 {
                     "name": zone.name,
                     "kind": zone.kind,
-                    "body_axis": rounded(_unit(zone.body_axis)),
-                    "inertial_axis": rounded(_unit(zone.inertial_axis)),
+                    "body_axis": rounded(unit(zone.body_axis)),
+                    "inertial_axis": rounded(unit(zone.inertial_axis)),
                     "half_angle_deg": zone.half_angle_deg,
                 }
                 for zone in self.zones
@@ -255,7 +254,3 @@ def rounded(value: Any) -> Any:
 
 def _members(item: Any) -> dict[str, Any] | None:
     return None if item is None else {n: rounded(getattr(item, n)) for n in item.__slots__}
-
-
-def _unit(vector: Vector3) -> Vector3:
-    return np.asarray(vector / np.linalg.norm(vector))

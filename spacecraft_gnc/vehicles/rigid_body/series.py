@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.drawing.zones import pointing_margin_deg
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -124,17 +125,6 @@ def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:
     return pointing_margin_deg(attitudes(trajectory), zone)
 
 
-def pointing_margin_deg(attitudes: Array, zone: ZoneParameters) -> Array:
-    """Return the (n,) angles left to the border of a pointing zone at (n, 3, 3) attitudes [deg]."""
-    pointing = attitudes @ _unit(zone.body_axis)
-    axis = _unit(zone.inertial_axis)
-    # atan2 of sine and cosine keeps full precision near the cone's axis, unlike the arc cosine.
-    sine = np.linalg.norm(np.cross(pointing, axis), axis=1)
-    angle = np.degrees(np.arctan2(sine, pointing @ axis))
-    beyond = angle - zone.half_angle_deg
-    return np.asarray(beyond if zone.kind == "exclusion" else -beyond)
-
-
 def stage_costs(
     trajectory: Trajectory, weights: WeightParameters, actuators: Array | None = None
 ) -> Array:
@@ -188,7 +178,3 @@ def _hat_norm_squared(vectors: Array, weight: Array) -> Array:
     """Return |W^(1/2) hat(v)|_F^2 = v^T (tr(W) I - W) v for (n, 3) vectors."""
     form = np.trace(weight) * np.eye(3) - weight
     return np.asarray(np.einsum("ni,ij,nj->n", vectors, form, vectors))
-
-
-def _unit(vector: Array) -> Array:
-    return np.asarray(vector / np.linalg.norm(vector))

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from spacecraft_gnc.audit.limits import Exceedance, beyond
+from spacecraft_gnc.drawing.zones import pointing_margin_deg
 from spacecraft_gnc.types import Array, as_actuators
-from spacecraft_gnc.vehicles.rigid_body.series import pointing_margin_deg
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
