@@ -1,12 +1,12 @@
 # Set-up, demonstration and checks. `make help` lists the targets.
 #
 # Everything goes into the virtual environment .venv. Each step of the set-up leaves a stamp there
-# and runs again only when what it depends on has changed.
+# and runs again only when its dependencies have changed.
 #
-# The package is installed editable: the commands, the nodes and the tests then run the one copy of
-# the code that lies in the checkout, so an edit takes effect at once, what is tested is what flies,
-# and the kernels, whose cache lies beside their source, are compiled once. pip leaves the data
-# files out of an editable installation; they are linked, as `colcon build --symlink-install` does.
+# The package is installed editable: commands, nodes and tests run the single copy of the code in
+# the checkout, so an edit takes effect at once, the tests run the code that flies, and the kernels,
+# whose cache lies beside their source, are compiled once. pip omits the data files from an
+# editable installation; they are linked, as with `colcon build --symlink-install`.
 
 VENV := .venv
 STAMPS := $(VENV)/stamps
@@ -15,7 +15,7 @@ SHARE := $(VENV)/share
 TIMES := $(STAMPS)/times
 PYTHON ?=
 
-# $(call timed,WHAT,COMMAND): say what is done, do it, and note its seconds for the end of the set-up.
+# $(call timed,WHAT,COMMAND): print WHAT, run COMMAND, and note its time for the summary of the set-up.
 timed = echo "== $(1)"; begun=$$(date +%s); $(2) && printf '%6d s  %s\n' $$(($$(date +%s) - begun)) "$(1)" >>$(TIMES)
 
 MESSAGES := msg_defs/package.xml msg_defs/CMakeLists.txt $(wildcard msg_defs/*/*.msg msg_defs/*/*.action)
@@ -24,14 +24,14 @@ KERNELS := $(shell find spacecraft_gnc -name '_*kernels.py')
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PIP_NO_INPUT := 1
 
-# Another environment of the calling shell must not leak into this one. The wheels put their
-# libraries on LD_LIBRARY_PATH; those of a sourced ROS 2 would mix with them.
+# The environment of the calling shell must not leak into this one. The wheels put their
+# libraries on LD_LIBRARY_PATH; those of a sourced ROS 2 would conflict with them.
 ifneq ($(AMENT_PREFIX_PATH)$(_ROS_WHEELS_BOOTSTRAP_COMPLETE),)
 unexport LD_LIBRARY_PATH
 endif
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH PYTHONHOME PYTHONPATH VIRTUAL_ENV
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
-# What is installed here is compiled once; a command that reads the source of numba anew takes twice as long.
+# Installed modules are compiled once; a command that compiles numba's modules again takes twice as long.
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
@@ -48,7 +48,7 @@ setup: ## install everything into .venv, build the messages, compile the kernels
 prepared: $(STAMPS)/messages $(STAMPS)/kernels
 	@:
 
-demo: setup ## fly a published case and a turn past two zones through the node graph, record, audit, compare, draw them
+demo: setup ## fly a published case and a slew past two zones through the node graph, record, audit, compare, plot them
 	@$(BIN)/python tools/demo.py
 
 test: lint ## set up, check style and types, run every test
@@ -59,7 +59,7 @@ lint: setup ## check style and types
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
 
-bench: setup .venv-peers/installed .venv-acados/installed ## measure the speed of solver, closed loop and graph, beside other solvers
+bench: setup .venv-peers/installed .venv-acados/installed ## measure the speed of solver, closed loop and graph, and of other solvers
 	@$(BIN)/gnc bench
 
 colcon: setup ## build both packages with colcon into build/ and install/
@@ -69,17 +69,17 @@ COMPILE = pip compile --universal --python-version 3.10 --generate-hashes --no-e
 	--custom-compile-command "make lock" --quiet $(UPGRADE)
 UPGRADE := --upgrade
 
-lock: $(STAMPS)/environment ## resolve the dependencies anew into the lock files; UPGRADE= keeps what is locked
+lock: $(STAMPS)/environment ## resolve the dependencies into the lock files; UPGRADE= keeps locked versions
 	@$(BIN)/python -m pip install -qq uv
 	@$(BIN)/uv $(COMPILE) --extra export --extra ros --extra view setup.py requirements.in --output-file requirements.lock
 	@for peers in peers acados; do $(BIN)/uv $(COMPILE) benchmarks/peers/$$peers.txt --output-file benchmarks/peers/$$peers.lock; done
 
-clean: ## remove everything that make and colcon made, but no flight
+clean: ## remove everything that make and colcon made, except recorded flights
 	rm -rf $(VENV) .venv-peers .venv-acados .venv-readers .random_problems test/readers/node_modules build install log *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find spacecraft_gnc test -name __pycache__ -prune -exec rm -rf {} +
 
-# An environment holds absolute paths: in a moved or copied checkout, or when its Python has gone,
-# it is made anew.
+# An environment holds absolute paths: in a moved or copied checkout, or without its Python,
+# it is created again.
 ifneq ($(shell test -x $(BIN)/python && cat $(STAMPS)/environment 2>/dev/null),$(CURDIR))
 .PHONY: $(STAMPS)/environment
 endif
@@ -106,16 +106,16 @@ $(STAMPS)/package: package.xml setup.py setup.cfg pyproject.toml resource/spacec
 	@ln -sfn "$(CURDIR)/config" $(SHARE)/spacecraft_gnc/config
 	@touch $@
 
-# Numba notices a changed file, but not that a kernel calls one from a changed file: start afresh.
+# Numba detects a changed file, but not a kernel that calls one from a changed file: delete the cache.
 $(STAMPS)/kernels: $(KERNELS) $(STAMPS)/dependencies | $(STAMPS)/package
 	@find spacecraft_gnc -name '*.nb[ci]' -delete
 	@$(call timed,compiling the kernels,$(BIN)/gnc warmup --quiet)
 	@touch $@
 
-# The solvers that `make bench` compares with are optional: what cannot be installed is left out, and
-# tried again the next time. acados' wheel overwrites casadi, hence two environments.
+# The solvers that `make bench` compares with are optional: one that cannot be installed is skipped and
+# tried again next time. acados' wheel overwrites casadi, hence two environments.
 .venv-%/installed: benchmarks/peers/%.lock tools/install_locked.sh $(STAMPS)/environment
 	@echo "== installing solvers to compare with into $(@D)"
 	@rm -rf $(@D) && $(BIN)/python -m venv $(@D)
 	@if tools/install_locked.sh $(@D) $< >$(@D)/log 2>&1; then touch $@; \
-		else echo "$< cannot be installed here: left out; $(@D)/log says why"; fi
+		else echo "$< cannot be installed here: skipped; see $(@D)/log"; fi

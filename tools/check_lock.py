@@ -1,8 +1,8 @@
-"""A check that the set-up does not age: the lock is installed on a day when everything is newer.
+"""Check that newer releases do not affect the set-up.
 
-Of every locked package a later release is put on a local index beside the locked files. The step of
-`make setup` that installs the lock has to take exactly the locked ones from there, on every Python
-that the project supports and that is found here, with old and new versions of pip.
+A local index holds a later release of every locked package beside the locked files. The step of
+`make setup` that installs the lock must take exactly the locked ones from there, on every supported
+Python found on this machine, with old and new versions of pip.
 
 usage: python tools/check_lock.py [PYTHON]...
 """
@@ -35,7 +35,7 @@ REQUIREMENT: Final = re.compile(r"^([A-Za-z0-9._-]+)==(\S+)", flags=re.MULTILINE
 
 
 def main() -> int:
-    """Check each Python; return 1 if the lock was not installed as it stands, or on none."""
+    """Check each Python; return 1 if the lock was not installed exactly, or no Python was found."""
     pythons = [Path(name) for name in sys.argv[1:]] or list(found_pythons())
     if not pythons:
         print("error: no Python 3.10 to 3.14 found: install one or name it", file=sys.stderr)
@@ -83,7 +83,7 @@ def version_of(python: Path) -> str:
 
 
 def environment() -> dict[str, str]:
-    """Return the variables of this process but for those that tell pip where to look."""
+    """Return the variables of this process without those that select pip's index."""
     places = ("PIP_INDEX_URL", "PIP_EXTRA_INDEX_URL", "PIP_FIND_LINKS", "PIP_NO_INDEX")
     return {name: value for name, value in os.environ.items() if name not in places}
 
@@ -98,13 +98,13 @@ def make_environment(python: Path, venv: Path, version: str) -> str:
 
 
 def download(venv: Path, files: Path) -> Path:
-    """Fetch the locked files for the Python of ``venv``, from the index that pip is set to."""
+    """Download the locked files for the Python of ``venv`` from pip's configured index."""
     builders = files.parent / "builders.txt"
     blocks = re.split(r"\n(?=[A-Za-z0-9])", LOCK.read_text(encoding="utf-8"))
     builders.write_text("\n".join(b for b in blocks if re.match("(setuptools|wheel)==", b)))
     exactly = ("-qq", "--retries", "10", "--no-deps", "--require-hashes")
     pip = (venv / "bin" / "python", "-m", "pip")
-    output(*pip, "install", *exactly, "-r", builders)  # builds the metadata of what is source only
+    output(*pip, "install", *exactly, "-r", builders)  # builds the metadata of source-only packages
     output(*pip, "download", *exactly, "--no-build-isolation", "-r", LOCK, "-d", files)
     return files
 
@@ -130,7 +130,7 @@ def fill_index(index: Path, files: Path) -> None:
 
 
 def write_wheel(folder: Path, name: str) -> None:
-    """Write an empty wheel of the release that nobody asked for."""
+    """Write an empty wheel of a later release."""
     stem = f"{name.replace('-', '_')}-{NEWER}"
     metadata = f"Metadata-Version: 2.1\nName: {name}\nVersion: {NEWER}\n"
     wheel = "Wheel-Version: 1.0\nGenerator: check\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
@@ -150,8 +150,8 @@ def differences(venv: Path) -> list[str]:
     }
     wanted = marked(venv)
     known = {normalized(name) for name, _ in REQUIREMENT.findall(LOCK.read_text("utf-8"))}
-    given = {"pip", "setuptools"} - wanted.keys()  # what `python -m venv` brings
-    # Wheels of ROS bring further distributions of their own, which no index knows.
+    given = {"pip", "setuptools"} - wanted.keys()  # installed by `python -m venv`
+    # Wheels of ROS contain further distributions, which are not on any index.
     return [
         f"{name}: locked {wanted.get(name)}, installed {installed.get(name)}"
         for name in sorted((known & (wanted.keys() | installed.keys())) - given)

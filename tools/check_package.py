@@ -1,8 +1,8 @@
-"""A check of the package as a user installs it: sdist and wheel, in clean environments.
+"""Check the package as a user installs it: sdist and wheel, in clean environments.
 
-Both are built from the files under version control; the wheel built from the sdist has to hold the
+Both are built from the files under version control; the wheel built from the sdist must hold the
 same files. The wheel is then installed alone, with ROS, and with every extra, at the versions of
-the lock, and each environment has to do what it promises and say in one line what it lacks.
+the lock; each environment must provide its functions and report a missing one in one line.
 
 usage: python tools/check_package.py
 """
@@ -35,11 +35,11 @@ NEEDS_MESSAGES: Final = (
 
 
 class Failed(Exception):
-    """The package is not what it should be."""
+    """The package fails a check."""
 
 
 class Result(NamedTuple):
-    """What a command printed and how it ended."""
+    """Output and exit code of a command."""
 
     code: int
     out: str
@@ -47,7 +47,7 @@ class Result(NamedTuple):
 
 
 def main() -> int:
-    """Build, install and try; return 1 if something is not as it should be."""
+    """Build, install and test the package; return 1 if a check fails."""
     with tempfile.TemporaryDirectory(prefix="package-") as name:
         folder = Path(name)
         try:
@@ -82,7 +82,7 @@ def build(folder: Path) -> Path:
 
 
 def check_metadata(wheel: Path) -> None:
-    """Check what an index shows of the package."""
+    """Check the metadata that an index shows."""
     (file,) = (name for name in names(wheel) if name.endswith(".dist-info/METADATA"))
     with zipfile.ZipFile(wheel) as archive:
         metadata = Parser().parsestr(archive.read(file).decode())
@@ -94,7 +94,7 @@ def check_metadata(wheel: Path) -> None:
 
 
 def check_installed(venv: Path, requirement: str, extra: str) -> None:
-    """Install into a new environment, and try what it has and what it lacks."""
+    """Install into a new environment, and test its present and missing functions."""
     succeed(sys.executable, "-m", "venv", venv)
     lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
     pins = re.findall(r"^[A-Za-z0-9][^\\\n]*", lock, flags=re.MULTILINE)
@@ -105,7 +105,7 @@ def check_installed(venv: Path, requirement: str, extra: str) -> None:
     succeed(*pip, "check", "-q")
     gnc, flight = venv / "bin" / "gnc", venv / "flight.npz"
     succeed(gnc, "check", "gupta2015_case1")
-    # Interpreted, for a flight of five steps: compiling takes a minute, and set-up has done it.
+    # Interpreted, for a flight of five steps: compiling takes a minute, and the set-up tests it.
     succeed(gnc, *FLY, "--out", flight, cwd=venv, NUMBA_DISABLE_JIT="1")
     succeed(gnc, "report", flight, "--out", venv / "report.html", NUMBA_DISABLE_JIT="1")
     lacking = "make setup" if extra else "pip install 'spacecraft_gnc[ros]'"
@@ -120,7 +120,7 @@ def check_installed(venv: Path, requirement: str, extra: str) -> None:
 
 
 def refuse(remedy: str, *command: str | Path, cwd: Path) -> None:
-    """Run a command that cannot work here: one line that says what to do, exit code 2."""
+    """Run a command that must fail here with a one-line remedy and exit code 2."""
     result = run(*command, cwd=cwd)
     lines = result.err.splitlines()
     if result.code != 2 or len(lines) != 1 or remedy not in lines[0]:
@@ -131,7 +131,7 @@ def refuse(remedy: str, *command: str | Path, cwd: Path) -> None:
 
 
 def succeed(*command: str | Path, cwd: Path | None = None, **variables: str) -> str:
-    """Run a command that has to end well; return what it printed."""
+    """Run a command that must succeed; return its output."""
     result = run(*command, cwd=cwd, **variables)
     if result.code != 0:
         shown = " ".join(map(str, command))
@@ -140,7 +140,7 @@ def succeed(*command: str | Path, cwd: Path | None = None, **variables: str) -> 
 
 
 def run(*command: str | Path, cwd: Path | None = None, **variables: str) -> Result:
-    """Run a command without the checkout or another environment in its way."""
+    """Run a command isolated from the checkout and from other environments."""
     hidden = ("PYTHONPATH", "AMENT_PREFIX_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
     environment = {name: value for name, value in os.environ.items() if name not in hidden}
     done = subprocess.run(

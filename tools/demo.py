@@ -1,6 +1,6 @@
-"""Two flights through the node graph, a published case and a turn past two zones, and their peers.
+"""Demonstration: a published case and a slew past two zones, flown through the node graph.
 
-The steps of `make demo`; each can be done by hand with the commands printed. Case I is section IV-A
+The steps of `make demo`; the printed commands repeat them by hand. Case I is section IV-A
 of R. Gupta et al., "Constrained spacecraft attitude control on SO(3) using fast nonlinear model
 predictive control", American Control Conference 2015; its times are from Table I and the text.
 """
@@ -72,14 +72,14 @@ and edit a copy of {SUN_MOON}: `{GNC} check COPY.yaml` tells what it lacks."""
 
 
 def gnc(*arguments: str | Path) -> None:
-    """Show and run a command; raise CalledProcessError where it fails."""
+    """Print and run a command; raise CalledProcessError if it fails."""
     command = list(map(str, arguments))
     print(f"\n$ gnc {shlex.join(command)}", flush=True)
     subprocess.run([sys.executable, "-m", "spacecraft_gnc", *command], check=True)
 
 
 def compare_with_pd(governed: Trajectory, pd: Trajectory) -> None:
-    """Print the flight past two zones beside that of the PD."""
+    """Compare the flight past two zones with that of the PD."""
     both = [summarize(flight, load(ROOT / PD)) for flight in (governed, pd)]
     rows = [
         ("", "governed NMPC", "PD"),
@@ -99,7 +99,7 @@ def compare_with_pd(governed: Trajectory, pd: Trajectory) -> None:
 
 
 def compare_with_paper(flight: Trajectory) -> None:
-    """Print the flight beside the paper's and beside a solution by CasADi and IPOPT."""
+    """Compare the flight with the paper's and with a solution by CasADi and IPOPT."""
     scenario = load(ROOT / CASE1)
     peer = with_states_of(IPOPT, flight)
     ours, ipopt = (summarize(trajectory, scenario) for trajectory in (flight, peer))

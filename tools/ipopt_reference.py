@@ -1,9 +1,9 @@
 """Write test/data/random_ipopt.npz: random problems and their optima by CasADi and IPOPT.
 
-Needs CasADi and numpy, and nothing of this project: `python tools/ipopt_reference.py` in an
-environment of its own. The problem of Gupta et al. 2015, (27)-(30), by multiple shooting: the
-attitudes, momenta and Cayley vectors of the relative rotations are unknowns beside the torques, and
-h hat(Pi) = F Jd - Jd F^T a constraint; cost and penalties are written with Frobenius norms.
+Needs only CasADi and numpy, not this package: run `python tools/ipopt_reference.py` in a separate
+environment. The problem of Gupta et al. 2015, (27)-(30), by multiple shooting: besides the torques,
+the attitudes, momenta and Cayley vectors of the relative rotations are unknowns, and
+h hat(Pi) = F Jd - Jd F^T is a constraint; cost and penalties are written with Frobenius norms.
 """
 # ruff: noqa: N803, N806 - the symbols are the paper's
 

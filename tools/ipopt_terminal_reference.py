@@ -1,9 +1,9 @@
 """Write test/data/terminal_set_ipopt.npz: terminal-set problems and their optima by IPOPT.
 
-Needs CasADi and numpy, and nothing of this project but `ipopt_reference.py` beside it:
-`python tools/ipopt_terminal_reference.py` in an environment of its own. The problem of Kalabic et
+Needs only CasADi, numpy and `ipopt_reference.py` beside it: run
+`python tools/ipopt_terminal_reference.py` in a separate environment. The problem of Kalabic et
 al. 2014, (24)-(32), by multiple shooting, with the torque limit and the terminal set as inequality
-constraints. The logarithm is that of a quaternion carried along the horizon, so that its angle is
+constraints. The logarithm is that of a quaternion carried along the horizon, so its angle is
 continuous; the Riccati equation (27) is iterated to its fixed point.
 """
 # ruff: noqa: N803, N806 - the symbols are the paper's

@@ -1,8 +1,8 @@
-"""Remake the values that test/pinned holds the flights against: ``python tools/pin.py``.
+"""Regenerate the reference values of test/pinned: ``python tools/pin.py``.
 
-Remake them only in a commit that says why they change: they are the proof that everything else is
-as it was. ``--check`` writes nothing and compares every scenario with what is stored, bags
-included; test/pinned does so for all arrays, but for the bags of four scenarios only.
+Regenerate them only in a commit that says why they change: they prove that everything else is
+unchanged. ``--check`` writes nothing and compares every scenario with the stored values, bags
+included; test/pinned compares all arrays, but the bags of four scenarios only.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pinned import flights, store  # noqa: E402 - found by the line above
 
 
 def main() -> None:
-    """Fly the scenarios named, or all; store what they did, or compare it."""
+    """Fly the named scenarios, or all; store the results, or compare them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", metavar="SCENARIO", help="[all that are shipped]")
     parser.add_argument("--check", action="store_true", help="compare, write nothing; 1: differs")
@@ -34,7 +34,7 @@ def main() -> None:
 
 
 def pin(name: str, *, check: bool) -> list[str]:
-    """Fly one scenario with and without ROS; return and print what differs from what is stored."""
+    """Fly one scenario with and without ROS; return and print differences from stored values."""
     with tempfile.TemporaryDirectory() as folder:
         found = {
             "simulated": flights.simulated(name, Path(folder)),

@@ -1,4 +1,4 @@
-"""Draw docs/pictures/tuning.png: what settling time, weights and horizon do to a 30 deg turn.
+"""Draw docs/pictures/tuning.png: effect of settling time, weights and horizon on a 30 deg slew.
 
 `.venv/bin/python tools/tuning_picture.py` writes it and prints the figures of docs/tuning.md.
 """
@@ -38,7 +38,7 @@ HORIZONS = (2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 60)
 
 
 def scenario(**controller: Any) -> Scenario:
-    """Return the turn with defaults, but for what is given."""
+    """Return the slew with defaults, except for the given values."""
     start = controller.pop("start", TURN)
     plant = {"inertia": INERTIA, "initial_rotation_vector": start, "time_step": 0.5}
     plant["duration"] = controller.pop("duration", 150.0)
@@ -52,7 +52,7 @@ def settled(**controller: Any) -> float:
 
 
 def draw_settling(axes: Any) -> None:
-    """Fly the turn with several settling times."""
+    """Fly the slew with several settling times."""
     print("settling_time  flown to 0.1 deg  predicted")
     for wanted, colour in zip((20.0, 40.0, 80.0), style.RUN_COLOURS, strict=False):
         built = scenario(settling_time=wanted, duration=130.0)
@@ -103,7 +103,7 @@ def draw_horizon(axes: Any) -> None:
 
 
 def print_turns() -> None:
-    """Fly longer turns with the default settling time, half and twice of it."""
+    """Fly longer slews with half, one and two times the default settling time."""
     print("settling_time, turn: settled, overshoot, excess of the torque limit")
     for wanted in (20.0, 40.0, 80.0):
         for angle in (30.0, 90.0, 170.0):
