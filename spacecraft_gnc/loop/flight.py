@@ -15,7 +15,6 @@ from typing_extensions import Self
 
 from spacecraft_gnc.arguments import require_path
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.loop.protocols import Command
 from spacecraft_gnc.types import Array
 
 _COLUMN_KEY: Final = "spacecraft_gnc.column"
@@ -33,7 +32,8 @@ class Step(NamedTuple):
     """What the governor is asked for."""
     decision: Any
     """The governor's, with the reference."""
-    command: Command
+    command: Any
+    """`loop.protocols.Command`"""
 
 
 class End(NamedTuple):

@@ -10,13 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
+from spacecraft_gnc.loop.flight import Flight
 from spacecraft_gnc.signals.signal import Signal
 from spacecraft_gnc.types import GovernorDecision, Invariants, Reference, State, Vector3
-
-if TYPE_CHECKING:
-    from spacecraft_gnc.loop.flight import Flight
 
 __all__ = [
     "Command",

@@ -3,18 +3,34 @@
 from __future__ import annotations
 
 from time import perf_counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.arrays import as_finite, as_rows, as_stack
 from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import Tracked, as_reference, is_moving, unreachable
-from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
+from spacecraft_gnc.types import Array, ArrayLike, Reference, as_rotation, as_vector3
 
-if TYPE_CHECKING:
-    from spacecraft_gnc.ocp.shooting import ShootingSolver
+
+class BatchSolver(Protocol):
+    """What solves a batch: `ShootingSolver`."""
+
+    @property
+    def ocp(self) -> AttitudeOcp:
+        """Problem solved."""
+
+    def run_batch(
+        self,
+        states: Array,
+        reference: Reference,
+        warm_starts: Array | None,
+        outputs: tuple[Array, ...],
+        numbers: Array,
+    ) -> None:
+        """Solve from every row of ``states`` in one call of compiled code."""
 
 
 class BatchSolution(NamedTuple):
@@ -50,7 +66,7 @@ class BatchSolution(NamedTuple):
 
 
 def solve_many(
-    solver: ShootingSolver,
+    solver: BatchSolver,
     attitudes: ArrayLike,
     momenta: ArrayLike,
     reference: Tracked | None,

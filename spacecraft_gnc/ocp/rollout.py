@@ -2,16 +2,49 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 
+from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.ocp import _adjoint_kernels, _stage_kernels, _track_kernels
 from spacecraft_gnc.ocp.reference import Tracked, as_reference, unreachable
 from spacecraft_gnc.types import Array, ArrayLike, as_rotation, as_vector3
 
-if TYPE_CHECKING:
-    from spacecraft_gnc.ocp.problem import AttitudeOcp
+
+class Problem(Protocol):
+    """What is rolled out: an `AttitudeOcp`."""
+
+    @property
+    def horizon(self) -> int:
+        """Steps N."""
+
+    @property
+    def time_step(self) -> float:
+        """Step h [s]."""
+
+    @property
+    def body(self) -> RigidBody:
+        """Inertia and integrator step."""
+
+    @property
+    def data(self) -> Array:
+        """The numbers of the problem, as the kernels read them."""
+
+    @property
+    def zone_rows(self) -> Array:
+        """The zones, likewise."""
+
+    @property
+    def control_axes(self) -> Array:
+        """Axes (m, m) in which the kernels write the controls."""
+
+    @property
+    def n_controls(self) -> int:
+        """Controls of one step."""
+
+    def checked_controls(self, controls: ArrayLike, /) -> Array:
+        """Return controls as an array (N, m)."""
 
 
 class Horizon:
@@ -19,7 +52,7 @@ class Horizon:
 
     def __init__(
         self,
-        ocp: AttitudeOcp,
+        ocp: Problem,
         controls: ArrayLike,
         attitude: ArrayLike,
         momentum: ArrayLike,
@@ -78,7 +111,7 @@ class Horizon:
         return np.asarray(axes @ hessian @ axes.T)
 
 
-def track_of(ocp: AttitudeOcp, reference: Tracked | None) -> Array:
+def track_of(ocp: Problem, reference: Tracked | None) -> Array:
     """Return a reference as the kernels want it: `_track_kernels.set_track`."""
     track = np.empty(_track_kernels.track_size(ocp.horizon, ocp.n_controls))
     checked = as_reference(reference)

@@ -8,11 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from spacecraft_gnc.loop.controllers import (
-    OnlineNeighboringController,
-    ShootingController,
-)
-from spacecraft_gnc.loop.feedback import FeedbackController
 from strategies import vectors
 
 from spacecraft_gnc import lie
@@ -24,6 +19,11 @@ from spacecraft_gnc.governors.moving import StoredTrajectory, TurningReference
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp import AttitudeOcp, NeighboringExtremal, ShootingSolver, Weights
 from spacecraft_gnc.types import State
+from spacecraft_gnc.vehicles.rigid_body.controllers.feedback.controller import FeedbackController
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
+    OnlineNeighboringController,
+    ShootingController,
+)
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
 PERIOD = 0.4

@@ -6,10 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from spacecraft_gnc.loop.controllers import ShootingController, SolverController
-from spacecraft_gnc.loop.ladder import FallbackLadder
-from spacecraft_gnc.loop.neighboring import NominalRunController
-from spacecraft_gnc.loop.standstill import StandstillMonitor
+from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
@@ -21,6 +18,14 @@ from spacecraft_gnc.ocp import (
     TerminalSetSolver,
 )
 from spacecraft_gnc.types import Reference, State
+from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
+from spacecraft_gnc.vehicles.rigid_body.controllers.neighboring_extremal.controller import (
+    NominalRunController,
+)
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
+    ShootingController,
+    SolverController,
+)
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
 OMEGA = np.array([0.01, 0.02, -0.015])
