@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
@@ -26,6 +25,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     ShootingController,
     SolverController,
 )
+from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
 OMEGA = np.array([0.01, 0.02, -0.015])
