@@ -15,7 +15,7 @@ FILES = sorted(ROOT.rglob("*.py"))
 
 LAYERS = (
     {"__init__", "errors", "extras", "arguments", "arrays", "lazy"},
-    {"types", "_kernels"},
+    {"types", "_kernels", "status"},
     {"solvability"},
     {"lie"},
     {"dynamics"},

@@ -7,9 +7,10 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Final
 
-from spacecraft_gnc.analysis.live.picture import Phase, Picture, Setup, source_name
+from spacecraft_gnc.analysis.live.picture import Phase, Picture, Setup
 from spacecraft_gnc.cli._common import RunFailed
 from spacecraft_gnc.cli._inspect_messages import print_json_line
+from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.loop.protocols import Source
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def line(picture: Picture) -> str:
         parts.append(f"{error:.4g} deg off the reference")
     if picture.torque is not None:
         norm = math.sqrt(float(picture.torque @ picture.torque))
-        parts.append(f"|u| {norm:.4g} N m ({source_name(picture.source)})")
+        parts.append(f"|u| {norm:.4g} N m ({source_name(picture.source, 'unknown')})")
     if picture.solve is not None:
         parts.append(f"{picture.solve.status}, {picture.solve.iterations} iterations")
     if picture.decision is not None:
@@ -236,7 +237,7 @@ def _source(source: int) -> Text:
     from rich.text import Text
 
     colour = _COLOURS[source] if 0 <= source < len(_COLOURS) else "red"
-    return Text(source_name(source), style=colour)
+    return Text(source_name(source, "unknown"), style=colour)
 
 
 def _marked(text: str, unwanted: bool) -> Text:

@@ -135,7 +135,7 @@ def _report(
         f"{plan.scenario.path}: flown in {outcome.wall_time:.3g} s, {speed:.3g} times real time, "
         f"{outcome.steps / outcome.wall_time:.0f} steps/s"
     )
-    rows = summary_rows(metrics) if outcome.bags else [hash_row(metrics)]
+    rows = summary_rows(metrics, plan.scenario) if outcome.bags else [hash_row(metrics)]
     if plan.scenario.plant.mode == "free_run":
         rows += [("state to torque", _latency(metrics))] if outcome.bags else []
         rows.append(("deadlines missed", _missed(outcome)))

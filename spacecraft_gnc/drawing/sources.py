@@ -33,9 +33,10 @@ class Stretch(NamedTuple):
     steps: int
 
 
-def source_name(source: int) -> str:
-    """Return a source in words."""
-    return "not recorded" if source < 0 else Source(source).name.lower().replace("_", " ")
+def source_name(source: int, otherwise: str = "not recorded") -> str:
+    """Return a source in words; ``otherwise`` for a number that is none."""
+    known = 0 <= source < len(Source)
+    return Source(source).name.lower().replace("_", " ") if known else otherwise
 
 
 def source_colour(source: int) -> str:

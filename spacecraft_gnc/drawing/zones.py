@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.types import Array
 
 
@@ -41,9 +42,6 @@ def unit(axis: Array) -> Array:
 def pointing_margin_deg(attitudes: Array, zone: Zone) -> Array:
     """Return the (n,) angles left to the border of a pointing zone at (n, 3, 3) attitudes [deg]."""
     pointing = attitudes @ unit(zone.body_axis)
-    axis = unit(zone.inertial_axis)
-    # atan2 of sine and cosine keeps full precision near the cone's axis, unlike the arc cosine.
-    sine = np.linalg.norm(np.cross(pointing, axis), axis=1)
-    angle = np.degrees(np.arctan2(sine, pointing @ axis))
+    angle = np.degrees(lie.vector_angle(pointing, unit(zone.inertial_axis)))
     beyond = angle - zone.half_angle_deg
     return np.asarray(beyond if zone.kind == "exclusion" else -beyond)

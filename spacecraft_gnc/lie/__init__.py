@@ -10,6 +10,7 @@ from spacecraft_gnc.lie.so3 import (
     log,
     orthonormalize,
     to_quaternion_xyzw,
+    vector_angle,
     vee,
 )
 
@@ -23,5 +24,6 @@ __all__ = [
     "log",
     "orthonormalize",
     "to_quaternion_xyzw",
+    "vector_angle",
     "vee",
 ]

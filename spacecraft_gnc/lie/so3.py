@@ -94,6 +94,16 @@ def angle_between(first: Matrix3, second: Matrix3) -> float:
     return math.atan2(sine, 0.5 * (float(np.trace(relative)) - 1.0))
 
 
+def vector_angle(first: Array, second: Array) -> Array:
+    """Return the angle in [0, pi] [rad] between vectors (..., 3), as (...), whatever their length.
+
+    atan2 of sine and cosine keeps full precision near 0 and pi, unlike the arc cosine. NaN where a
+    vector is not known, 0 where one of them has no length.
+    """
+    sine = np.linalg.norm(np.cross(first, second), axis=-1)
+    return np.asarray(np.arctan2(sine, np.sum(np.multiply(first, second), axis=-1)))
+
+
 def angles_between(first: Array, second: Array) -> Array:
     """Return `angle_between` for stacks (n, 3, 3) of rotations, as (n,) [rad].
 

@@ -16,10 +16,11 @@ from spacecraft_gnc.ocp.neighboring import NeighboringExtremal, NeighboringOptio
 from spacecraft_gnc.ocp.nominal import NominalRun, fly_nominal
 from spacecraft_gnc.ocp.problem import AttitudeOcp, Weights
 from spacecraft_gnc.ocp.shooting import ShootingOptions, ShootingSolver
-from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.ocp.terminal_set import TerminalSetSolver
 from spacecraft_gnc.ocp.zones import PointingZone
+from spacecraft_gnc.status import Status
 
 __all__ = [
     "AttitudeOcp",

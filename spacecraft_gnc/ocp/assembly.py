@@ -8,7 +8,8 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.ocp.problem import AttitudeOcp
-from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.solution import Solution
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, Reference
 
 

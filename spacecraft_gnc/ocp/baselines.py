@@ -25,7 +25,8 @@ from spacecraft_gnc.ocp.linearization import linearize
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import Tracked, as_reference, is_moving
 from spacecraft_gnc.ocp.rollout import Horizon, track_of
-from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.solution import Solution
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, ArrayLike, Reference, as_rotation, as_vector3
 
 # Residual, in units of the multipliers, with which a search that forward differences no longer

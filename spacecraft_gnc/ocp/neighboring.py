@@ -36,7 +36,8 @@ from spacecraft_gnc.ocp._neighboring_kernels import LAST, LAST_REFERENCE, SEEN, 
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import RESTING, Tracked, as_reference, is_moving
 from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver, horizon_shapes
-from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.solution import Solution
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,

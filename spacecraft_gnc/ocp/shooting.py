@@ -53,7 +53,8 @@ from spacecraft_gnc.ocp._solve_kernels import (
 from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import Tracked, is_moving, motion_of, stacked, unreachable
-from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.solution import Solution
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,

@@ -25,8 +25,9 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._data_kernels import MADE_OF, MU0, P_LOG
 from spacecraft_gnc.ocp.reference import Tracked, is_moving
 from spacecraft_gnc.ocp.shooting import IDENTITY, ShootingOptions, ShootingSolver
-from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, ArrayLike, Reference
 
 LARGEST = math.log(1e8)  # of log(1 + nu)

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import (
     as_real,
     as_tuple,
@@ -61,7 +62,8 @@ class PointingZone:
 
     def margin(self, attitudes: Array) -> Array:
         """Return the angle [rad] from attitudes (..., 3, 3) to the cone (negative: violated)."""
-        angle = np.arccos(np.clip(self._cosine(attitudes), -1.0, 1.0))
+        pointing = as_stack("attitudes", attitudes) @ np.asarray(self.body_axis)
+        angle = lie.vector_angle(pointing, np.asarray(self.inertial_axis))
         return np.asarray(self.sign * (angle - self.half_angle))
 
     def cosine_room(self, attitudes: Array) -> Array:

@@ -156,6 +156,8 @@ class Vehicle:
     outputs: Lazy | None = None
     audit: Lazy | None = None
     metrics: Lazy | None = None
+    summary: Lazy | None = None
+    """Function of the metrics of a flight: what to say of it, (label, text) by line."""
     figures: Lazy | None = None
     report: Lazy | None = None
     scene: Lazy | None = None

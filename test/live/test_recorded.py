@@ -13,12 +13,13 @@ from live.watching import ZONE, Wall, recorded, without_scenario
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.live import history
-from spacecraft_gnc.analysis.live.picture import Phase, source_name, status_name
+from spacecraft_gnc.analysis.live.picture import Phase, status_name
 from spacecraft_gnc.analysis.live.recorded import RecordedFlight
 from spacecraft_gnc.analysis.reader import Flight
 from spacecraft_gnc.analysis.run_info import RunInfo
+from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.ocp.solution import Status
+from spacecraft_gnc.status import Status
 
 
 def test_the_step_is_the_last_one_that_began() -> None:
@@ -94,7 +95,7 @@ def test_words_follow_the_constants_of_the_messages() -> None:
     assert [status_name(s) for s in Status] == [s.name.lower().replace("_", " ") for s in Status]
     assert status_name(255) == status_name(-1) == "no solve"
     assert source_name(Source.SHIFTED_PLAN) == "shifted plan"
-    assert source_name(-1) == "unknown"
+    assert source_name(-1, "unknown") == "unknown"
 
 
 def test_a_long_flight_is_thinned_from_end_to_end() -> None:

@@ -13,7 +13,6 @@ from strategies import rotations, unit_vectors
 from spacecraft_gnc import lie
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
     Cone,
-    angle_of,
     direction,
     implies,
     leave_nothing,
@@ -66,7 +65,7 @@ def frame(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 def attitude_for(first: Cone, second: Cone) -> np.ndarray:
     """Return the attitude that shares the misfit of the angles out among the two cones."""
     (axis_1, half_1), (axis_2, half_2) = first.allowed, second.allowed
-    misfit = angle_of(first.body_axis, second.body_axis) - angle_of(axis_1, axis_2)
+    misfit = lie.vector_angle(first.body_axis, second.body_axis) - lie.vector_angle(axis_1, axis_2)
     plane = frame(axis_1, axis_2)
     angle_1 = -misfit * half_1 / (half_1 + half_2)
     seen_1 = plane @ [math.cos(angle_1), math.sin(angle_1), 0.0]
@@ -86,7 +85,7 @@ def test_where_something_is_left_an_attitude_satisfies_both(pair: tuple[Cone, Co
     attitude = attitude_for(*pair)
     for cone in pair:
         axis, half = cone.allowed
-        assert angle_of(attitude @ cone.body_axis, axis) <= half + CONSTRUCTED
+        assert lie.vector_angle(attitude @ cone.body_axis, axis) <= half + CONSTRUCTED
 
 
 @given(cones(), st.floats(0.0, 1.5), st.floats(-0.5, 0.5), st.booleans())

@@ -10,24 +10,13 @@ from typing import Any, Final
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.drawing.zones import Zone, pointing_margin_deg, unit
-from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Matrix3, Vector3
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
-_STATUSES: Final = (
-    "converged",
-    "max iterations",
-    "line search failed",
-    "unsolvable step",
-    "not finite",
-    "singular",
-    "stalled",
-    "escaping",
-    "saddle",
-    "infeasible",
-)
 
 
 class Phase(str, Enum):
@@ -46,13 +35,7 @@ class Phase(str, Enum):
 
 def status_name(status: int) -> str:
     """Return a solver status in words; it is a constant of SolverStatus."""
-    return _STATUSES[status] if 0 <= status < len(_STATUSES) else "no solve"
-
-
-def source_name(source: int) -> str:
-    """Return in words where a torque came from; it is a constant of TorqueCommand."""
-    known = 0 <= source < len(Source)
-    return Source(source).name.lower().replace("_", " ") if known else "unknown"
+    return Status(status).text if 0 <= status < len(Status) else "no solve"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,7 +215,7 @@ class Picture:
             "target": rounded(target),
             "momentum": rounded(self.momentum),
             "torque": rounded(self.torque),
-            "source": source_name(self.source),
+            "source": source_name(self.source, "unknown"),
             "error_deg": rounded(self.error_deg(self.reference)),
             "target_error_deg": rounded(self.error_deg(target)),
             "margins_deg": {k: rounded(v) for k, v in self.margins_deg(setup).items()},

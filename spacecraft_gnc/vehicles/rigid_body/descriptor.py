@@ -37,6 +37,7 @@ VEHICLE: Final = Vehicle(
     columns=_lazy("recorded:read_recorded"),
     audit=_lazy("audit.flight:AUDIT"),
     metrics=_lazy("metrics.summary:summarize"),
+    summary=_lazy("metrics.rows:summary_rows"),
     figures=_lazy("pictures:FIGURES"),
     report=_lazy("report:REPORT"),
     signals=_lazy("signals:SIGNALS"),

@@ -16,6 +16,7 @@ from spacecraft_gnc.signals.attitude import (
     at_rest,
     error_of,
 )
+from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 from spacecraft_gnc.vehicles.rigid_body.markers import zone_markers
@@ -23,7 +24,6 @@ from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, TORQUE, ZO
 
 Told = list[tuple[Signal, Any]]
 """Signals with their values, in the order in which they are published."""
-_NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
 _NO_COSTATE: Final = [math.nan] * 6
 
 
@@ -96,7 +96,7 @@ class Outputs:
         standstill = None if command.report is None else command.report.standstill
         if solution is None or status is None:
             nothing = (math.nan, math.nan, _NO_COSTATE, math.nan, (), math.nan, math.nan, "")
-            return (self._method, "", _NO_SOLVE, 0, *nothing, *self._no_plan, *wall)
+            return (self._method, "", NO_SOLVE, 0, *nothing, *self._no_plan, *wall)
         return (
             self._method,
             solution.formulation,

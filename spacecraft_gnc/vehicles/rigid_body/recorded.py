@@ -23,13 +23,13 @@ from spacecraft_gnc.recording.steps import (
     STATE,
     TORQUE,
 )
+from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
-_NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
 _TOPICS: Final = (
     STATE, REFERENCE, ACCEPTED_TARGET, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS,
 )  # fmt: skip
@@ -181,7 +181,7 @@ def _trajectory(
         residual=_filled(n, solves, "residual"),
         cost=_filled(n, solves, "cost"),
         solve_time=_filled(n, solves, "wall_solve_time"),
-        status=np.where(status == _NO_SOLVE, -1, status),
+        status=np.where(status == NO_SOLVE, -1, status),
         source=_integers(n, -1, torques.steps, torques.source),
         alpha=_filled(n, decisions, "alpha"),
         governor_margin=_filled(n, decisions, "margin"),

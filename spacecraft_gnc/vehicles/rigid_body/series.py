@@ -6,13 +6,14 @@ one for the state after the last step. A row that a recording lost is NaN.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.drawing.zones import pointing_margin_deg
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -23,10 +24,6 @@ if TYPE_CHECKING:
     )
     from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
-
-STALLED: Final = 6
-ESCAPING: Final = 7
-"""Of `ocp.Status`, whose import would load the kernels."""
 
 
 def state_times(trajectory: Trajectory) -> Array:
@@ -101,7 +98,7 @@ def torque_norm(trajectory: Trajectory) -> Array:
 def unconverged(trajectory: Trajectory) -> NDArray[np.bool_]:
     """Tell of the (n,) steps whether their solve failed; at a standstill it did not."""
     status = trajectory.status
-    return np.asarray((status > 0) & (status != STALLED) & (status != ESCAPING))
+    return np.asarray((status > 0) & (status != Status.STALLED) & (status != Status.ESCAPING))
 
 
 def solve_deadline(scenario: Scenario | None) -> tuple[float, str]:

@@ -22,12 +22,13 @@ from spacecraft_gnc.recording.steps import (
     TORQUE,
     WALL_TIMING,
 )
+from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.vehicles.rigid_body.audit.decisions import audit_decisions
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
 from spacecraft_gnc.vehicles.rigid_body.audit.motion import applied_torques, audit_motion
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
 from spacecraft_gnc.vehicles.rigid_body.audit.references import audit_references
-from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LAW, NO_SOLVE, audit_law
+from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LAW, audit_law
 from spacecraft_gnc.vehicles.rigid_body.audit.solver import SolverAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.torques import audit_torques, held_steps
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded

@@ -16,9 +16,10 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Reference, Source, State
-from spacecraft_gnc.ocp.solution import Solution, Status
+from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.recording.steps import REFERENCE, STATE, TORQUE
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
 from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
@@ -26,7 +27,6 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.protocols import Controller
 
-NO_SOLVE: Final = 255  # SolverStatus.NO_SOLVE
 SENSITIVE: Final = 1e-9
 """Share of the largest torque that those may differ which rest on a linearised plan."""
 TORQUE_FIELD: Final = "torque_command.control"

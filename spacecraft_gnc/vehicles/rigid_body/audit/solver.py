@@ -13,9 +13,9 @@ from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.shooting import AUTOMATIC
-from spacecraft_gnc.ocp.solution import Status
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.recording.steps import REFERENCE, STATE, TORQUE
+from spacecraft_gnc.status import NO_SOLVE, Status
 from spacecraft_gnc.vehicles.rigid_body.audit.certificate import CertificateAudit, Rows
 from spacecraft_gnc.vehicles.rigid_body.audit.corrections import CorrectionAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES, SOLVED, FailureAudit
@@ -26,7 +26,7 @@ from spacecraft_gnc.vehicles.rigid_body.audit.plans import (
     Certifier,
     Plans,
 )
-from spacecraft_gnc.vehicles.rigid_body.audit.rungs import NO_SOLVE, LadderAudit
+from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LadderAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.standstills import STANDSTILLS, StandstillAudit
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
-from spacecraft_gnc.ocp.solution import Status
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import TERMINAL, Certifier, Plans
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import TORQUE_FIELD, restored, sample
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import monitor_of

@@ -15,7 +15,6 @@ from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles import registry
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
     Cone,
-    angle_of,
     direction,
     implies,
     leave_nothing,
@@ -108,8 +107,8 @@ def _complain_of_attitude(checked: Checked, what: str, zone: Cone, angle: float)
 
 
 def _complain_of_contradiction(checked: Checked, first: Cone, second: Cone) -> None:
-    bodies = math.degrees(angle_of(first.body_axis, second.body_axis))
-    cones = math.degrees(angle_of(first.cone_axis, second.cone_axis))
+    bodies = math.degrees(lie.vector_angle(first.body_axis, second.body_axis))
+    cones = math.degrees(lie.vector_angle(first.cone_axis, second.cone_axis))
     other = f"{first.kind} zone {first.name!r} ({_degrees(first)} deg)"
     value = (
         f"{_degrees(second)} deg of {second.kind}, with the cone axis {cones:.6g} deg and the body "

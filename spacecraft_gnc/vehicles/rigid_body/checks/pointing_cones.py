@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 ANGLE_TOLERANCE: Final = 1e-9
@@ -44,7 +45,7 @@ class Cone(NamedTuple):
 
     def angle(self, attitude: Matrix3) -> float:
         """Return the angle [rad] between the body axis at an attitude (3, 3) and the cone axis."""
-        return angle_of(attitude @ self.body_axis, self.cone_axis)
+        return float(lie.vector_angle(attitude @ self.body_axis, self.cone_axis))
 
     def margin(self, attitude: Matrix3) -> float:
         """Return the angle [rad] left to the border at an attitude (3, 3); negative: violated."""
@@ -65,11 +66,6 @@ class Cone(NamedTuple):
         return self._replace(body_axis=-self.body_axis, cone_axis=-self.cone_axis)
 
 
-def angle_of(first: Vector3, second: Vector3) -> float:
-    """Return the angle in [0, pi] [rad] between two vectors (3,), exact for small angles too."""
-    return math.atan2(float(np.linalg.norm(np.cross(first, second))), float(first @ second))
-
-
 def direction(vector: Array) -> Vector3:
     """Return a vector (3,), not zero, at length 1; no length of a float overflows."""
     scaled = vector / np.abs(vector).max()
@@ -86,9 +82,9 @@ def leave_nothing(first: Cone, second: Cone) -> bool:
         |angle(v_1, v_2) - angle(d_1, d_2)| <= a_1 + a_2
     """
     (axis_1, half_1), (axis_2, half_2) = first.allowed, second.allowed
-    between_bodies = angle_of(first.body_axis, second.body_axis)
-    gap = abs(between_bodies - angle_of(axis_1, axis_2)) - half_1 - half_2
-    return gap >= -ANGLE_TOLERANCE
+    between_bodies = lie.vector_angle(first.body_axis, second.body_axis)
+    gap = abs(between_bodies - lie.vector_angle(axis_1, axis_2)) - half_1 - half_2
+    return bool(gap >= -ANGLE_TOLERANCE)
 
 
 def implies(first: Cone, second: Cone) -> bool:
@@ -97,7 +93,7 @@ def implies(first: Cone, second: Cone) -> bool:
         return False
     if first.body_axis @ second.body_axis < 0.0:
         second = second.mirrored()
-    if angle_of(first.body_axis, second.body_axis) > ANGLE_TOLERANCE:
+    if lie.vector_angle(first.body_axis, second.body_axis) > ANGLE_TOLERANCE:
         return False
     (axis_1, half_1), (axis_2, half_2) = first.allowed, second.allowed
-    return angle_of(axis_1, axis_2) + half_1 <= half_2 + ANGLE_TOLERANCE
+    return bool(lie.vector_angle(axis_1, axis_2) + half_1 <= half_2 + ANGLE_TOLERANCE)

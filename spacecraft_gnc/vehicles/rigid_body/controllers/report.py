@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from spacecraft_gnc.loop.protocols import Command
+from spacecraft_gnc.status import Status
 
 if TYPE_CHECKING:  # the solvers' kernels take long to import
-    from spacecraft_gnc.ocp.solution import Solution, Status
+    from spacecraft_gnc.ocp.solution import Solution
 
 
 class Standstill(NamedTuple):
@@ -34,11 +35,9 @@ class SolveReport(NamedTuple):
         """How the step ended: the solve's status, or what the standstill says; None: no solve."""
         if self.solution is None:
             return None
-        solved = self.solution.status
         if self.standstill is None:
-            return solved
-        statuses = type(solved)  # `ocp.Status`: to import it here would load the kernels
-        return statuses.ESCAPING if self.standstill.escaping else statuses.STALLED
+            return self.solution.status
+        return Status.ESCAPING if self.standstill.escaping else Status.STALLED
 
 
 def solution_of(command: Command) -> Solution | None:

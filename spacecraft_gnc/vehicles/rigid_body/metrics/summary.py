@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc import lie
 from spacecraft_gnc.audit.limits import as_dicts
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
@@ -195,8 +196,8 @@ def _solver_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[s
         "iterations_median": float(np.median(iterations)) if iterations.size else None,
         "iterations_max": int(iterations.max()) if iterations.size else None,
         "unconverged_steps": _count(series.unconverged(trajectory), solved),
-        "stalled_steps": _count(trajectory.status == series.STALLED, solved),
-        "escaping_steps": _count(trajectory.status == series.ESCAPING, solved),
+        "stalled_steps": _count(trajectory.status == Status.STALLED, solved),
+        "escaping_steps": _count(trajectory.status == Status.ESCAPING, solved),
         "solve_time_median": _quantile(solve_time, 0.5),
         "solve_time_p99": _quantile(solve_time, 0.99),
         "solve_time_max": _quantile(solve_time, 1.0),

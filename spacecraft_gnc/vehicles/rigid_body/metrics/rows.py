@@ -1,0 +1,78 @@
+"""Summary of a rigid body's flight in words."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+_NOTHING: Final = "-"  # a row without a value is left out
+
+
+def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return the lines of a flight's summary, label and text, from its metrics."""
+    never = "unknown" if m["final_error_deg"] is None else "never"
+    settled = [(f"under {x} deg for good", m[f"settle_time_{x}deg"]) for x in ("5", "1", "0.1")]
+    iterations = f"{_text(m['iterations_median'], 3)} median, {_text(m['iterations_max'], 3)} most"
+    work = "command" if m["iterations_median"] is None else "solve"
+    sources = ", ".join(f"{name} {count}" for name, count in m["sources"].items())
+    rows = [
+        ("error at the end", _final_error(m)),
+        *((label, never if at is None else f"from {at:g} s") for label, at in settled),
+        *_governor_rows(m),
+        ("largest torque", f"{_text(m['max_torque'], 8)} N m, {_limit(m)}"),
+        ("sum of stage costs", _stage_costs(m)),
+        ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
+        ("iterations a solve", iterations),
+        (f"time a {work}", _solve_times(m)),
+        ("steps not solved", _text(m["unconverged_steps"], 10)),
+        ("torque from", sources),
+    ]
+    if m["neighboring_share"] is not None:
+        share = f"{100.0 * m['neighboring_share']:.1f} % of the steps"
+        error = f", off the exact torque by {_text(m['neighboring_error'], 3)} N m at most"
+        rows.append(("neighboring extremals", share + error))
+    if m["stalled_steps"]:
+        rows.append(("steps at a standstill", f"{m['stalled_steps']}, away from the target"))
+    if m["escaping_steps"]:
+        text = f"{m['escaping_steps']}, by a small torque added to the optimal one"
+        rows.append(("standstill escapes", text))
+    # A row without a value starts with the dash alone; a negative number is a value.
+    return [row for row in rows if row[1].split(" ")[0] != _NOTHING]
+
+
+def _governor_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
+    if m["min_governor_margin"] is None:
+        return []
+    at, off = m["alpha_one_time"], m["final_reference_error_deg"]
+    if at is not None:
+        return [("target admitted", f"from {at:g} s (alpha = 1)")]
+    where = "" if off is None else f", reference {_text(off, 5)} deg from the target at the end"
+    return [("target admitted", f"never{where}")]
+
+
+def _stage_costs(m: dict[str, Any]) -> str:
+    """Return the cost; a governor's moving reference makes it none of the way to the target."""
+    text = _text(m["cost"], 10)
+    return text if text == _NOTHING or m["error_to"] != "target" else f"{text}, to the reference"
+
+
+def _limit(m: dict[str, Any]) -> str:
+    if not m["torque_limit"]:
+        return "no limit"
+    return f"limit {m['torque_limit']:g} N m, {m['saturated_steps']} steps on it"
+
+
+def _final_error(m: dict[str, Any]) -> str:
+    if m["final_error_deg"] is None:
+        return "unknown: the last state or reference was not recorded"
+    return f"{m['final_error_deg']:.5g} deg to the {m['error_to']}"
+
+
+def _solve_times(m: dict[str, Any]) -> str:
+    keys = {"solve_time_median": "median", "solve_time_p99": "99 %", "solve_time_max": "longest"}
+    if any(m[key] is None for key in keys):
+        return _NOTHING
+    return ", ".join(f"{m[key] * 1e6:.0f} us {word}" for key, word in keys.items())
+
+
+def _text(value: float | None, digits: int) -> str:
+    return _NOTHING if value is None else f"{value:.{digits}g}"
