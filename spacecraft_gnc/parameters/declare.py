@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from functools import lru_cache
+from itertools import starmap
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from spacecraft_gnc.parameters.parameter import (
     Group,
@@ -23,6 +25,7 @@ from spacecraft_gnc.parameters.parameter import (
 PLUGIN_PREFIX: Final = "plugin."
 _ROS_OWN: Final = ("use_sim_time", "start_type_description_service")
 _ROS_OWN_PREFIX: Final = "qos_overrides."
+_Elements: TypeAlias = tuple[tuple[str, tuple[str, ...]], ...]
 _NO_ELEMENTS: Final[Mapping[str, Iterable[str]]] = {}
 
 
@@ -64,20 +67,20 @@ class Schema:
         plugin : mapping, optional
             Parameters of another package's vehicle, method or governor, without ``plugin.``.
         """
-        found = list(_declared(self.sections[section], elements))
-        for name, value in (plugin or {}).items():
-            found.append(Declaration(PLUGIN_PREFIX + name, plugin_spec(value)))
-        return tuple(found)
+        given = tuple((field, tuple(names)) for field, names in elements.items())
+        found = tuple(_declared(self.sections[section], given).items())
+        plugins = ((PLUGIN_PREFIX + name, plugin_spec(v)) for name, v in (plugin or {}).items())
+        return tuple(starmap(Declaration, (*found, *plugins)))
 
     def spec_of(self, section: str, name: str, value: Value | None) -> ParameterSpec | None:
         """Return the spec of a dotted name, or None where the section has no such parameter."""
         if name.startswith(PLUGIN_PREFIX) and self.is_node(section):
             return plugin_spec("" if value is None else value)
-        return dict(self.declarations(section, self._elements(section, name))).get(name)
+        return _declared(self.sections[section], self._elements(section, name)).get(name)
 
     def known_names(self, section: str, like: str = "") -> tuple[str, ...]:
         """Return the names to suggest for an unknown one."""
-        return tuple(d.name for d in self.declarations(section, self._elements(section, like)))
+        return tuple(_declared(self.sections[section], self._elements(section, like)))
 
     def element_of(self, section: str, name: str) -> Element | None:
         """Return the element that ``zones.<element>.<parameter>`` is about, else None."""
@@ -103,21 +106,22 @@ class Schema:
         is_own = name in _ROS_OWN or name.startswith(_ROS_OWN_PREFIX)
         return is_own and self.is_node(section)
 
-    def _elements(self, section: str, name: str) -> dict[str, tuple[str, ...]]:
+    def _elements(self, section: str, name: str) -> _Elements:
         element = self.element_of(section, name)
-        return {} if element is None else {element.field: (element.name,)}
+        return () if element is None else ((element.field, (element.name,)),)
 
 
-def _declared(
-    parameters: type, elements: Mapping[str, Iterable[str]], prefix: str = ""
-) -> Iterator[Declaration]:
-    for name, spec in specs_of(parameters):
-        yield Declaration(prefix + name, spec)
+@lru_cache(maxsize=256)
+def _declared(parameters: type, elements: _Elements) -> Mapping[str, ParameterSpec]:
+    """Return the parameters of a section class by dotted name, with those of named groups."""
+    found = dict(specs_of(parameters))
     for field, group in groups_of(parameters):
-        if not group.names:
-            yield from _declared(group.parameters, {}, f"{prefix}{field}.")
-        for element in elements.get(field, ()):
-            yield from _declared(group.parameters, {}, f"{prefix}{field}.{element}.")
+        names = dict(elements).get(field, ()) if group.names else ("",)
+        for name in names:
+            prefix = f"{field}.{name}." if name else f"{field}."
+            inner = _declared(group.parameters, ())
+            found |= {prefix + parameter: spec for parameter, spec in inner.items()}
+    return found
 
 
 def plugin_spec(value: Value) -> ParameterSpec:

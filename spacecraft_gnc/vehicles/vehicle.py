@@ -22,7 +22,7 @@ from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
 _Number = TypeVar("_Number", np.int64, np.float64)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class MethodTraits:
     """What is to be known of a method without building it.
 
@@ -53,7 +53,7 @@ class MethodTraits:
         return current
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Method(MethodTraits):
     """A method of ``nmpc_controller.method``."""
 
@@ -73,7 +73,7 @@ class Method(MethodTraits):
             object.__setattr__(self, "reads", names_of(self.parameters))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class GovernorLaw:
     """A law of ``reference_governor.governor``."""
 
@@ -119,7 +119,7 @@ class Facts(NamedTuple):
     """For JSON."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Vehicle:
     """A vehicle of ``plant.vehicle``: one room of `vehicles`, or another package's.
 

@@ -18,7 +18,7 @@ from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class CommonParameters(ControllerHost):
     """What is known of body, limits and zones, whatever the method."""
 

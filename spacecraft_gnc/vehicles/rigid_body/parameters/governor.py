@@ -9,7 +9,7 @@ from spacecraft_gnc.parameters.sections import GovernorHost
 from spacecraft_gnc.types import Vector3
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class TargetParameters(GovernorHost):
     """What every governor reads: the target, and when a slew has arrived."""
 
@@ -39,7 +39,7 @@ class TargetParameters(GovernorHost):
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class AttitudeLawParameters:
     """What ``governor: attitude`` reads."""
 
@@ -121,7 +121,7 @@ class AttitudeLawParameters:
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class NoLawParameters:
     """What ``governor: none`` reads: nothing beside the target."""
 

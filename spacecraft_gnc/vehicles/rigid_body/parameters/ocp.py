@@ -15,7 +15,7 @@ from spacecraft_gnc.parameters.parameter import (
 from spacecraft_gnc.types import Array, Matrix3
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class OcpWeights:
     """Weights of every cost; (3, 3) each, a scalar s in the file stands for s I."""
 
@@ -43,7 +43,7 @@ class OcpWeights:
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class PenalizedWeights(OcpWeights):
     """Weights of the cost of Gupta et al. 2015, (27)-(28)."""
 
@@ -81,7 +81,7 @@ class PenalizedWeights(OcpWeights):
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class OcpParameters:
     """What every method reads that minimizes a cost over a horizon."""
 
@@ -107,7 +107,7 @@ class OcpParameters:
     weights: OcpWeights = group(OcpWeights)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class PenalizedParameters(OcpParameters):
     """What the problem with penalties for its limits is made of."""
 
@@ -139,7 +139,7 @@ class PenalizedParameters(OcpParameters):
     weights: PenalizedWeights = group(PenalizedWeights)
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class NewtonParameters(PenalizedParameters):
     """Options of Newton's method."""
 

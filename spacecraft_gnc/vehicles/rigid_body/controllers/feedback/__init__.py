@@ -12,7 +12,7 @@ from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.vehicle import Method
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class FeedbackParameters:
     """Parameters of ``method: feedback``."""
 

@@ -12,7 +12,7 @@ from spacecraft_gnc.vehicles.rigid_body.parameters.ocp import NewtonParameters
 from spacecraft_gnc.vehicles.vehicle import Method
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class NeighboringParameters(NewtonParameters):
     """Parameters of ``method: neighboring_extremal``."""
 

@@ -12,7 +12,7 @@ from spacecraft_gnc.vehicles.rigid_body.parameters.ocp import OcpParameters, Ocp
 from spacecraft_gnc.vehicles.vehicle import Method
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class TerminalSetWeights(OcpWeights):
     """Weights of the cost with a terminal set."""
 
@@ -28,7 +28,7 @@ class TerminalSetWeights(OcpWeights):
     )
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class TerminalSetParameters(OcpParameters):
     """Parameters of ``method: terminal_set``."""
 
