@@ -19,6 +19,7 @@ from spacecraft_gnc.recording.steps import flight_namespace
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 from spacecraft_gnc.scenario.recorded import SCENARIO_ATTACHMENT, parse_scenario, scenario_texts
+from spacecraft_gnc.vehicles.known_signals import state_signals
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +113,7 @@ def audit_bag(
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         bag.verify(watch("checksums"))
         text, defaults = scenario_texts(bag.attachments())
-        name = flight_namespace(bag, namespace)
+        name = flight_namespace(bag, namespace, state_signals())
         scenario, problem = parse_scenario(text, bag.path, name, defaults)
         vehicle: VehicleAudit = part("audit", scenario)
         evidence = read_evidence(

@@ -13,6 +13,7 @@ from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import flight_namespace
 from spacecraft_gnc.scenario.recorded import parse_scenario, scenario_texts
 from spacecraft_gnc.vehicles import registry
+from spacecraft_gnc.vehicles.known_signals import state_signals
 
 NPZ_SUFFIX: Final = ".npz"
 
@@ -102,7 +103,7 @@ def read_flight(
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         text, defaults = scenario_texts(bag.attachments())
-        name = flight_namespace(bag, namespace)
+        name = flight_namespace(bag, namespace, state_signals())
         scenario, problem = parse_scenario(text, bag.path, name, defaults)
         recorded = part("columns", scenario)(bag, namespace, scenario, progress)
         info = RunInfo(

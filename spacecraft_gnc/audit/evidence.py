@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,31 +13,28 @@ from numpy.typing import NDArray
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, iter_columns, read_columns
 from spacecraft_gnc.recording.metadata import RECOVERED_RECORD
+from spacecraft_gnc.signals.graph import GOVERNOR, PLANT
+from spacecraft_gnc.signals.signal import Signal
 from spacecraft_gnc.types import Array
 
 
 class Topics(NamedTuple):
     """Topics of a vehicle that an audit reads."""
 
-    publishers: Mapping[str, str]
-    """Role that publishes it, by topic, of those with a message at every step."""
-    sparse: tuple[str, ...]
+    every_step: tuple[Signal, ...]
+    """Those with a message at every step."""
+    sparse: tuple[Signal, ...]
     """Others that are kept."""
-    solves: str
+    solves: Signal
     """The topic whose plans are read some thousand at a time, as `Evidence.solves` yields them."""
     plans: tuple[str, ...]
     """Its fields that are."""
-    shapes: Mapping[str, tuple[int, ...]]
-    """Shape of a field of which no message was recorded; any other is a number."""
 
     @property
-    def leading(self) -> frozenset[str]:
+    def leading(self) -> frozenset[Signal]:
         """Those of the plant, which tell of the end of the last step, too."""
-        return frozenset(name for name, role in self.publishers.items() if role == _PLANT)
+        return frozenset(signal for signal in self.every_step if PLANT in signal.publishers)
 
-
-_PLANT: Final = "plant"
-_GOVERNOR: Final = "reference_governor"
 
 Progress = Callable[[int, int], None]
 
@@ -67,17 +64,17 @@ class Evidence:
     path: Path
     scenario: Any
     topics: Topics
-    columns: dict[str, Columns]
+    columns: dict[Signal, Columns]
     n: int
     unfinished: bool
     recovered: bool
     bag: Bag
     namespace: str | None
 
-    def rows(self, topic: str, name: str, steps: NDArray[np.int64]) -> Array:
+    def rows(self, topic: Signal, name: str, steps: NDArray[np.int64]) -> Array:
         """Return values of a field (m, ...) at steps (m,); NaN where one was not recorded."""
         columns = self.columns[topic]
-        values = columns.fields.get(name, np.empty((0, *self.topics.shapes.get(name, ()))))
+        values = columns.fields.get(name, np.empty((0, *topic.fields[name].shape)))
         found = np.full((len(steps), *values.shape[1:]), np.nan)
         places = np.searchsorted(columns.steps, steps)
         there = places < columns.steps.size
@@ -85,7 +82,7 @@ class Evidence:
         found[there] = values[places[there]]
         return found
 
-    def common(self, *topics: str) -> NDArray[np.int64]:
+    def common(self, *topics: Signal) -> NDArray[np.int64]:
         """Return the steps that all of these topics hold."""
         steps = self.columns[topics[0]].steps
         for topic in topics[1:]:
@@ -114,7 +111,7 @@ def read_evidence(
     RecordingError
         If the bag is no flight of one spacecraft.
     """
-    names = [*topics.publishers, *topics.sparse]
+    names = [*topics.every_step, *topics.sparse]
     columns = read_columns(bag, names, namespace, progress, leave_out=topics.plans)
     recovered = RECOVERED_RECORD in bag.metadata()
     n = _flown(columns, topics, bag.unfinished or recovered or stopped)
@@ -123,14 +120,14 @@ def read_evidence(
     )
 
 
-def _flown(columns: dict[str, Columns], topics: Topics, cut: bool) -> int:
+def _flown(columns: dict[Signal, Columns], topics: Topics, cut: bool) -> int:
     """Return the control steps flown: up to the last message; in a cut bag, to the last whole one.
 
     The governor answers the last state, too, of which no control step starts.
     """
     ends = [
-        int(columns[topic].steps[-1]) + (role != _PLANT)
-        for topic, role in topics.publishers.items()
-        if columns[topic].steps.size and (cut or role != _GOVERNOR)
+        int(columns[topic].steps[-1]) + (topic not in topics.leading)
+        for topic in topics.every_step
+        if columns[topic].steps.size and (cut or GOVERNOR not in topic.publishers)
     ]
     return (min if cut else max)(ends, default=0)

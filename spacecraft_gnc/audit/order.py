@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
+from spacecraft_gnc.signals.signal import Signal
 from spacecraft_gnc.types import Array
 
 _EACH = "each step once"
@@ -18,10 +19,10 @@ def audit_order(evidence: Evidence, ledger: Ledger, held: NDArray[np.int64], sto
 
     Steps ``held`` went on without a command; a flight that ``stopped`` may be shorter than planned.
     """
-    for topic in evidence.topics.publishers:
+    for topic in evidence.topics.every_step:
         _each_step(evidence, ledger, topic, held)
     _whole_flight(evidence, ledger, stopped)
-    for topic in evidence.topics.publishers:
+    for topic in evidence.topics.every_step:
         columns = evidence.columns[topic]
         if columns.steps.size:
             name = "time stamps"
@@ -36,7 +37,7 @@ def stamps_of(steps: NDArray[np.int64], period: float) -> Array:
     return np.asarray(seconds + 1e-9 * nanoseconds)
 
 
-def _each_step(evidence: Evidence, ledger: Ledger, topic: str, held: NDArray[np.int64]) -> None:
+def _each_step(evidence: Evidence, ledger: Ledger, topic: Signal, held: NDArray[np.int64]) -> None:
     columns, name = evidence.columns[topic], f"steps of {topic}"
     last = evidence.n if topic in evidence.topics.leading else evidence.n - 1
     if not columns.steps.size and not _is_expected(evidence, topic):
@@ -56,10 +57,10 @@ def _each_step(evidence: Evidence, ledger: Ledger, topic: str, held: NDArray[np.
         ledger.check(name, _EACH, f"{columns.repeats} sent again with the same bytes")
 
 
-def _is_expected(evidence: Evidence, topic: str) -> bool:
+def _is_expected(evidence: Evidence, topic: Signal) -> bool:
     wanted = {name.strip("/") for name in evidence.scenario.recorder.topics}
     nodes = evidence.scenario.launcher.nodes
-    return evidence.topics.publishers[topic] in nodes and (not wanted or topic in wanted)
+    return topic.publishers[0] in nodes and (not wanted or topic.name in wanted)
 
 
 def _whole_flight(evidence: Evidence, ledger: Ledger, stopped: bool) -> None:

@@ -46,6 +46,7 @@ def play(wish: Playing) -> None:
     """Publish a bag and report what was published."""
     from spacecraft_gnc.recording.bag import open_bag
     from spacecraft_gnc.recording.playback import Playback
+    from spacecraft_gnc.vehicles.known_signals import every_signal
 
     rate = parse_rate(wish.rate)
     if not 0.0 <= wish.patience < math.inf:
@@ -59,7 +60,7 @@ def play(wish: Playing) -> None:
             "published as they were recorded; fly with gnc launch"
         )
     with open_bag(wish.source, allow_unfinished=wish.unfinished) as bag:
-        playback = Playback(bag, wish.topics)
+        playback = Playback(bag, wish.topics, every_signal())
         if not 0.0 <= wish.start <= playback.duration:
             raise ParameterError(
                 f"--start: received {wish.start:g} s; required 0 to {playback.duration:g} s, the "
@@ -199,7 +200,7 @@ def require_all_played(source: Path, start: float, playback: Playback, played: P
 
 
 def _report(wish: Playing, playback: Playback, played: Played, domain_id: int) -> None:
-    from spacecraft_gnc.recording.playback import CLOCK
+    from spacecraft_gnc.signals.graph import CLOCK
 
     for name in played.overrun:
         print(f"warning: a subscriber of {name} did not keep up", file=sys.stderr)
@@ -222,7 +223,7 @@ def _report(wish: Playing, playback: Playback, played: Played, domain_id: int) -
     elif not wish.quiet:
         ended = f"ended at {played.position:g} s" if played.interrupted else "played to its end"
         ticks = (
-            f", {played.messages.get(CLOCK, 0)} of them clock ticks made here,"
+            f", {played.messages.get(CLOCK.name, 0)} of them clock ticks made here,"
             if playback.ticks
             else ""
         )

@@ -12,6 +12,7 @@ from spacecraft_gnc.analysis.live.server import url_host
 from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.playback import Playback
+from spacecraft_gnc.vehicles.known_signals import every_signal
 
 Announce = Callable[[str, int], None]
 _NS_PER_S = 1_000_000_000
@@ -28,7 +29,7 @@ def serve_bag(
 ) -> None:
     """Play a bag to the app until ``stop``; the app's own buttons pause and seek."""
     with open_bag(path, allow_unfinished=unfinished) as bag:
-        playback = Playback(bag)
+        playback = Playback(bag, signals=every_signal())
         start, end = (time_ns / _NS_PER_S for time_ns in (playback.start_ns, playback.end_ns))
         transport = Transport(start, end, rate, time.monotonic)
         with foxglove.FoxgloveServer(host, port, transport) as server:

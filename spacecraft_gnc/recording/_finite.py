@@ -1,39 +1,21 @@
-"""Which recorded numbers must be finite: all, but where a message definition says otherwise."""
+"""Refuse recorded numbers that break the rules of their signal."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import RecordingError
-
-_ANY: Final = frozenset(
-    # not known; no deadline, or nothing came
-    {"min_curvature", "closed_loop_radius", "wall_solve_time", "wall_latency"}
-    | {"wall_deadline_slack"}
-)
-_INFINITE: Final = frozenset({"margin", "torque_margin"})
-"""Infinite where nothing is predicted (GovernorStatus), or without a limit (SolverStatus)."""
-_OF_A_SOLVE: Final = (
-    "residual",
-    "cost",
-    "first_costate",
-    "torque_margin",
-    "zone_margins",
-    "predicted_attitudes",
-    "predicted_momenta",
-    "predicted_torques",
-)
-_CONVERGED: Final = 0  # SolverStatus.CONVERGED
+from spacecraft_gnc.signals.signal import Signal
 
 
 def require_finite(
-    where: str, steps: NDArray[np.int64], fields: Mapping[str, NDArray[Any]]
+    where: str, signal: Signal, steps: NDArray[np.int64], fields: Mapping[str, NDArray[Any]]
 ) -> None:
-    """Refuse a recorded NaN or infinity that its message definition does not allow.
+    """Refuse a recorded NaN or infinity that the signal does not allow.
 
     Raises
     ------
@@ -41,11 +23,13 @@ def require_finite(
         Naming topic (``where``), the first step, the field and the value.
     """
     for name, values in fields.items():
-        if values.dtype.kind != "f" or name in _ANY:
+        field = signal.fields.get(name.partition(".")[0])
+        if field is None or values.dtype.kind != "f" or (field.rule.nan and field.rule.infinite):
             continue
-        wrong = np.isnan(values) if name in _INFINITE else ~np.isfinite(values)
-        if name in _OF_A_SOLVE:
-            wrong &= _along(fields["status"] == _CONVERGED, values)
+        wrong = np.isnan(values) if field.rule.infinite else ~np.isfinite(values)
+        if field.rule.when is not None:
+            other, value = field.rule.when
+            wrong &= _along(fields[other] == value, values)
         rows = np.flatnonzero(wrong.any(axis=tuple(range(1, wrong.ndim))))
         if rows.size:
             row = rows[np.argmin(steps[rows])]

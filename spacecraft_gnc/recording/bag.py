@@ -26,8 +26,10 @@ from spacecraft_gnc.recording._index import ChannelInfo, Index, read_index
 from spacecraft_gnc.recording._layout import Definitions
 from spacecraft_gnc.recording._scan import Block, Progress, messages, read_block
 from spacecraft_gnc.recording._verify import verify
-from spacecraft_gnc.recording.metadata import METADATA_NAME
+from spacecraft_gnc.recording.metadata import GAPLESS, METADATA_NAME
 from spacecraft_gnc.recording.qos import parse_qos
+from spacecraft_gnc.recording.schema_text import fields
+from spacecraft_gnc.recording.stamps import STEPPED_START
 from spacecraft_gnc.signals.qos import QosProfile
 
 _NO_SPAN: Final = (0, -1)
@@ -208,6 +210,14 @@ class Bag:
                     "required one; record each into a bag of its own"
                 )
         return first
+
+    def is_stepped(self, topic: str) -> bool:
+        """Tell whether the messages of a topic carry their control step."""
+        return [*fields(self._channels[topic][0].definition)][:2] == STEPPED_START
+
+    def is_gapless(self, topic: str) -> bool:
+        """Tell whether a topic has a message of each step, as far as its recorder tells."""
+        return self._channels[topic][0].metadata.get(GAPLESS, "true") == "true"
 
     def definitions(self, topic: str) -> Definitions:
         """Return the fields of a topic's type and of those that it nests."""

@@ -19,7 +19,8 @@ from spacecraft_gnc.recording._layout import Group, decode
 from spacecraft_gnc.recording._scan import Progress
 from spacecraft_gnc.recording._seen import Seen
 from spacecraft_gnc.recording.bag import Bag
-from spacecraft_gnc.recording.steps import UNIQUE, flight_topics
+from spacecraft_gnc.recording.steps import flight_topics
+from spacecraft_gnc.signals.signal import Signal
 from spacecraft_gnc.types import Array
 
 _BLOCK: Final = 4096  # messages of one topic that are decoded together
@@ -68,19 +69,19 @@ NO_COLUMNS: Final = Columns(np.empty(0, dtype=np.int64), np.empty(0), {})
 
 def read_columns(
     bag: Bag,
-    names: Iterable[str],
+    signals: Iterable[Signal],
     namespace: str | None = None,
     progress: Progress | None = None,
     leave_out: Collection[str] = (),
-) -> dict[str, Columns]:
-    """Read topics of a flight, by the last part of their names.
+) -> dict[Signal, Columns]:
+    """Read signals of a flight.
 
     Parameters
     ----------
     bag
         An open bag.
-    names
-        Of `steps.TYPES`; a topic that was not recorded comes back without messages.
+    signals
+        With a control step; one that was not recorded comes back without messages.
     namespace
         Of the spacecraft, where the bag holds several.
     progress
@@ -94,37 +95,37 @@ def read_columns(
         If the bag is of another package or version, damaged, holds several spacecraft or several
         runs, or a number that must be finite is not.
     """
-    names = list(names)
-    blocks: dict[str, list[Columns]] = {name: [] for name in names}
-    for name, block in iter_columns(bag, names, namespace, progress):
+    signals = list(signals)
+    blocks: dict[Signal, list[Columns]] = {signal: [] for signal in signals}
+    for signal, block in iter_columns(bag, signals, namespace, progress):
         kept = {key: value for key, value in block.fields.items() if key not in leave_out}
-        blocks[name].append(replace(block, fields=kept))
-    return {name: _joined(parts) for name, parts in blocks.items()}
+        blocks[signal].append(replace(block, fields=kept))
+    return {signal: _joined(parts) for signal, parts in blocks.items()}
 
 
 def iter_columns(
     bag: Bag,
-    names: Iterable[str],
+    signals: Iterable[Signal],
     namespace: str | None = None,
     progress: Progress | None = None,
-) -> Iterator[tuple[str, Columns]]:
-    """Yield (name, columns) of some thousand messages at a time, in the order of recording.
+) -> Iterator[tuple[Signal, Columns]]:
+    """Yield (signal, columns) of some thousand messages at a time, in the order of recording.
 
     With the flight grows no more than a digest of each message. A step is unique in its block,
     not between blocks. Arguments and errors as in `read_columns`.
     """
-    topics = flight_topics(bag, names, namespace)
+    topics = flight_topics(bag, signals, namespace)
     pending: dict[str, list[bytes]] = {topic: [] for topic in topics}
-    seen = {topic: Seen(f"{bag.path}: {topic}", topics[topic] in UNIQUE) for topic in topics}
+    seen = {topic: Seen(f"{bag.path}: {topic}", signal.unique) for topic, signal in topics.items()}
     for topic, data in bag.recorded(topics, progress):
         block = pending[topic]
         block.append(data)
         if len(block) == _BLOCK or len(block) * len(data) >= _BLOCK_BYTES:
-            yield topics[topic], _block(bag, topic, block, seen[topic])
+            yield topics[topic], _block(bag, topic, topics[topic], block, seen[topic])
             pending[topic] = []
     for topic, messages in pending.items():
         if messages:
-            yield topics[topic], _block(bag, topic, messages, seen[topic])
+            yield topics[topic], _block(bag, topic, topics[topic], messages, seen[topic])
 
 
 class _Decoded(NamedTuple):
@@ -136,7 +137,7 @@ class _Decoded(NamedTuple):
     fields: dict[str, NDArray[Any]]
 
 
-def _block(bag: Bag, topic: str, messages: list[bytes], seen: Seen) -> Columns:
+def _block(bag: Bag, topic: str, signal: Signal, messages: list[bytes], seen: Seen) -> Columns:
     """Decode messages, and keep the first of each step."""
     try:
         definitions = bag.definitions(topic)
@@ -147,7 +148,7 @@ def _block(bag: Bag, topic: str, messages: list[bytes], seen: Seen) -> Columns:
         ) from error
     for group in groups:
         _require_reachable(f"{bag.path}: {topic}", group.steps)
-        require_finite(f"{bag.path}: {topic}", group.steps, group.fields)
+        require_finite(f"{bag.path}: {topic}", signal, group.steps, group.fields)
     unsorted = _gathered(groups)
     conflicts = seen.conflicts(unsorted.steps.tolist(), messages)
     return _by_step(replace(unsorted, conflicts=conflicts))

@@ -7,38 +7,19 @@ what the plant tells beside it, the clock, the reference, the torque.
 
 from __future__ import annotations
 
-import struct
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import groupby
 from operator import itemgetter
 from typing import Final, NamedTuple
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
-from spacecraft_gnc.recording.schema_text import fields
-from spacecraft_gnc.recording.stamps import STEPPED_START, step_of
+from spacecraft_gnc.recording.stamps import step_of
+from spacecraft_gnc.signals.graph import CLOCK
 from spacecraft_gnc.signals.qos import INFINITE_NS, QosProfile
+from spacecraft_gnc.signals.signal import LAST, Signal
 
-CLOCK: Final = "/clock"
-CLOCK_TYPE: Final = "rosgraph_msgs/msg/Clock"
-_CAUSES: Final = (
-    "zone_markers",
-    "attitude_state",
-    "plant_invariants",
-    "pose",
-    "clock",
-    "target_attitude",
-    "attitude_reference",
-    "governor_status",
-    "torque_command",
-    "solver_status",
-    "attitude_error",
-)
-"""Last parts of the topics' names in the order in which a step publishes them; others follow."""
-_RANKS: Final = {name: rank for rank, name in enumerate(_CAUSES)}
-_CLOCK_RANK: Final = _RANKS["clock"]
-_CLOCK_LAYOUT: Final = struct.Struct("<4siI")  # encapsulation, seconds, nanoseconds
-_LITTLE_ENDIAN_CDR: Final = b"\x00\x01\x00\x00"
+_LAST: Final = (LAST, 0)
 _NS_PER_S: Final = 1_000_000_000
 _MOST_SECONDS: Final = 2**31  # of builtin_interfaces/Time
 _CLOCK_QOS: Final = QosProfile()
@@ -83,6 +64,9 @@ class Playback:
         An open bag.
     wanted
         Topics to play, by full name or its last part; empty: all.
+    signals
+        Known ones, whose ranks order the messages of one step; others keep the order in which they
+        were recorded, behind them.
 
     Raises
     ------
@@ -90,7 +74,11 @@ class Playback:
         If the bag holds no message, or not what is wanted.
     """
 
-    def __init__(self, bag: Bag, wanted: Collection[str] = ()) -> None:
+    def __init__(
+        self, bag: Bag, wanted: Collection[str] = (), signals: Iterable[Signal] = ()
+    ) -> None:
+        known = enumerate((*signals, CLOCK))
+        self._ranks = {s.name.strip("/"): (s.rank, place) for place, s in known if s.rank < LAST}
         self.start_ns, self.end_ns = bag.span_ns
         if self.end_ns < self.start_ns:
             raise RecordingError(
@@ -100,16 +88,16 @@ class Playback:
         self._bag = bag
         self.left_out = {} if wanted else dict(bag.left_out)
         """Why a topic is not played, by its name; of ``wanted`` ones nothing else is told."""
-        self.ticks = CLOCK not in bag.topics
+        self.ticks = CLOCK.name not in bag.topics
         """Whether the clock is made here."""
         self.topics: dict[str, PlayedTopic] = {}
-        for name in dict.fromkeys([*_chosen(bag, wanted), *([] if self.ticks else [CLOCK])]):
+        for name in dict.fromkeys([*_chosen(bag, wanted), *([] if self.ticks else [CLOCK.name])]):
             try:
                 self.topics[name] = _topic(bag, name)
             except RecordingError as error:
                 self.left_out[name] = str(error)
         if self.ticks:
-            self.topics[CLOCK] = PlayedTopic(CLOCK, CLOCK_TYPE, "", _CLOCK_QOS)
+            self.topics[CLOCK.name] = PlayedTopic(CLOCK.name, CLOCK.type, "", _CLOCK_QOS)
 
     @property
     def held(self) -> dict[str, int]:
@@ -130,7 +118,7 @@ class Playback:
         """Do not play a topic."""
         del self.topics[name]
         self.left_out[name] = reason
-        self.ticks = self.ticks and name != CLOCK
+        self.ticks = self.ticks and name != CLOCK.name
 
     def time_ns(self, position: float) -> int:
         """Return the stamp [ns] of a position [s] after the first one."""
@@ -170,9 +158,9 @@ class Playback:
         for i, (step, (name, _)) in enumerate(zip(steps, messages, strict=True)):
             # A message without a step belongs to the one that was recorded before it.
             current = current if step is None else step
-            keys.append((current, _RANKS.get(name.rpartition("/")[2], len(_RANKS)), i))
+            keys.append((current, self._ranks.get(name.rpartition("/")[2], _LAST), i))
         if self.ticks:
-            keys.append((min(keys)[0], _CLOCK_RANK, len(messages)))
+            keys.append((min(keys)[0], self._ranks[CLOCK.name.strip("/")], len(messages)))
             seconds, nanoseconds = divmod(time_ns, _NS_PER_S)
             if seconds >= _MOST_SECONDS:
                 raise RecordingError(
@@ -180,8 +168,9 @@ class Playback:
                     f"than {_MOST_SECONDS} s, which a ROS clock can tell; the log time was "
                     "recorded so: record again"
                 )
-            tick = _CLOCK_LAYOUT.pack(_LITTLE_ENDIAN_CDR, seconds, nanoseconds)
-            messages = [*messages, (CLOCK, tick)]
+            stamp = (seconds, nanoseconds)
+            tick = CLOCK.encode(stamp, 0, [stamp])
+            messages = [*messages, (CLOCK.name, tick)]
         return [messages[key[2]] for key in sorted(keys)]
 
     def _step(self, name: str, data: bytes) -> int | None:
@@ -208,7 +197,7 @@ def _chosen(bag: Bag, wanted: Collection[str]) -> list[str]:
 
 
 def _topic(bag: Bag, name: str) -> PlayedTopic:
-    stepped = [*fields(bag.channel(name).definition)][:2] == STEPPED_START
+    stepped = bag.is_stepped(name)
     qos = strongest(bag.offered_qos(name))
     return PlayedTopic(name, bag.topics[name], bag.type_hash(name), qos, stepped)
 

@@ -31,8 +31,10 @@ from spacecraft_gnc.recording.metadata import (
 from spacecraft_gnc.recording.recover import Copy, WholeRecords
 from spacecraft_gnc.recording.schema_text import fields
 from spacecraft_gnc.recording.stamps import STEPPED_START, Topic
-from spacecraft_gnc.recording.steps import SPARSE
+from spacecraft_gnc.signals import attitude, graph
 
+_SPARSE: Final = {str(s) for s in (graph.WALL_TIMING, attitude.TARGET, attitude.ACCEPTED_TARGET)}
+"""Topics without a message at most steps, in bags of versions that did not say so."""
 _REPORT_EVERY: Final = 1000  # messages between two reports of the progress
 
 
@@ -218,7 +220,7 @@ class _Rebuild:
         schema = self._schemas.get(channel.schema_id)
         text = schema.data.decode(errors="replace") if schema is not None else ""
         # Timing is reported by wall time in lockstep; a bag of an older version does not say so.
-        assumed = str(channel.topic.rpartition("/")[2] not in SPARSE).lower()
+        assumed = str(channel.topic.rpartition("/")[2] not in _SPARSE).lower()
         return self._topics.setdefault(
             channel.topic,
             Topic(

@@ -8,7 +8,7 @@ import numpy as np
 
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
-from spacecraft_gnc.recording.steps import WALL_TIMING
+from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.types import Array
 
 

@@ -14,6 +14,7 @@ from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
 from spacecraft_gnc.recording.rebuild import rebuild
+from spacecraft_gnc.vehicles.rigid_body.signals import SIGNALS
 
 # Bytes of a serialized message: four of encapsulation, the stamp, the frame, padding, the step.
 NS = 400_000_000  # control period [ns]
@@ -43,7 +44,8 @@ def messages(bag):
 @pytest.fixture(scope="module")
 def flown(bag):
     with open_bag(bag) as opened:
-        return read_columns(opened, [topic for topic, _ in FIELDS])
+        found = read_columns(opened, [signal for signal in SIGNALS if signal.is_stepped])
+        return {signal.name: columns for signal, columns in found.items()}
 
 
 @pytest.mark.parametrize(("topic", "name"), FIELDS)

@@ -16,6 +16,7 @@ from spacecraft_gnc.recording.columns import read_columns
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import read_sections
+from spacecraft_gnc.signals.attitude import GOVERNOR_STATUS
 
 CONFIG = Path(__file__).parents[2] / "config"
 CHECK = "decision of the governor"
@@ -61,7 +62,7 @@ def test_every_decision_is_made_again_with_the_targets_taken_in_flight(bag):
     assert (found.verdict, found.steps, found.worst) == ("pass", N, 0.0)
     assert found.note == "targets taken in flight: 2"
     with open_bag(bag) as opened:
-        alpha = read_columns(opened, ["governor_status"])["governor_status"].fields["alpha"]
+        alpha = read_columns(opened, [GOVERNOR_STATUS])[GOVERNOR_STATUS].fields["alpha"]
     assert ((alpha > 0.0) & (alpha < 1.0)).sum() > N / 2  # the governor had something to decide
 
 

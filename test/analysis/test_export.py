@@ -11,14 +11,18 @@ from dataclasses import replace
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-from recording.bags import CODEC, flight_messages, random_flight, record
+from recording.bags import CODEC, STANDARD, flight_messages, random_flight, record
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from scipy.io import loadmat
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.export import SUFFIXES, read_export, write_export
 from spacecraft_gnc.analysis.export.field_text import field_texts
+from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording.schema_text import schema_text
+from spacecraft_gnc.recording.writer import BagWriter
 
 STEPS = 9
 TINY = 5e-324  # the smallest double: lost by every format with fewer than 17 digits
@@ -248,3 +252,24 @@ def test_a_file_that_cannot_be_is_refused_before_anything_is_read(
     (error,) = capsys.readouterr().err.splitlines()
     assert f"{reason}; required a .mat file in a writable folder; " in error
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bag_of_a_vehicle_that_is_not_installed(tmp_path):
+    text = "std_msgs/Header header\nuint64 step\nfloat64 height  # above ground [m]\nstring mood\n"
+    name = "hopper_msgs/msg/HopperState"
+    definition = schema_text(name, lambda kind: text if kind == name else STANDARD[kind])
+    store = get_typestore(Stores.EMPTY)
+    store.register(get_types_from_msg(definition, name))
+    with BagWriter(tmp_path / "bag") as bag:
+        bag.add_topic("/hopper_state", name, definition)
+        for step in range(3):
+            header = CODEC.header(step)
+            message = store.types[name](header=header, step=step, height=0.5 * step, mood="ok")
+            bag.write("/hopper_state", step, step, bytes(store.serialize_cdr(message, name)))
+    (topic,) = read_export(tmp_path / "bag").topics
+    assert topic.name == "hopper_state"
+    fields = {field.name: field for field in topic.fields}
+    assert fields["height"].values.tolist() == [0.0, 0.5, 1.0]
+    assert fields["height"].text.unit == "m"
+    with pytest.raises(RecordingError, match="no topic attitude_state"):
+        read_flight(tmp_path / "bag")

@@ -10,11 +10,11 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from spacecraft_gnc import lie
 from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.schema_text import schema_text
-from spacecraft_gnc.recording.steps import SPARSE
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.signals.qos import QosProfile
 from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
+SPARSE = ("target_attitude", "accepted_target", "wall_timing")
 MESSAGES = Path(__file__).parents[2] / "msg_defs" / "msg"
 PERIOD = 0.4  # [s]
 STANDARD = {

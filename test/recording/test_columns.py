@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,11 +9,14 @@ from hypothesis import strategies as st
 from recording.bags import CODEC, announce, flight_messages, random_flight, record
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording import steps
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import iter_columns, read_columns
-from spacecraft_gnc.recording.schema_text import InstalledInterfaces
-from spacecraft_gnc.recording.steps import TYPE_HASHES, TYPES
+from spacecraft_gnc.recording.steps import flight_topics
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, STATE, TORQUE
 
 FLIGHT = random_flight(12)
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
@@ -67,7 +68,7 @@ def test_any_messages_come_back_as_decoded_one_by_one(tmp_path_factory, messages
     state = ("attitude_state", 0, CODEC.state(0, np.eye(3), np.zeros(3)))
     record(folder, [state, *[("solver_status", 0, item) for item in data]])
     with open_bag(folder) as bag:
-        columns = read_columns(bag, ["solver_status"])["solver_status"]
+        columns = read_columns(bag, [SOLVER_STATUS])[SOLVER_STATUS]
     first = {}
     for message in messages:
         first.setdefault(message.step, message)
@@ -85,16 +86,16 @@ def test_any_messages_come_back_as_decoded_one_by_one(tmp_path_factory, messages
 
 def test_vectors_and_quaternions_are_arrays_in_their_order(tmp_path):
     with open_bag(record(tmp_path / "bag", flight_messages(FLIGHT))) as bag:
-        columns = read_columns(bag, TYPES)
-    states = columns["attitude_state"]
+        columns = read_columns(bag, [STATE, TORQUE, WALL_TIMING])
+    states = columns[STATE]
     np.testing.assert_array_equal(states.fields["attitude"][:-1], FLIGHT.attitude.reshape(-1, 9))
     np.testing.assert_array_equal(states.fields["angular_momentum"][:-1], FLIGHT.momentum)
     quaternion = CODEC.quaternion(FLIGHT.attitude[3])
     expected = [quaternion.x, quaternion.y, quaternion.z, quaternion.w]
     np.testing.assert_array_equal(states.fields["orientation"][3], expected)
     np.testing.assert_array_equal(states.stamps[:3], [0.0, 0.4, 0.8])
-    assert columns["wall_timing"].steps.size == 0
-    assert columns["wall_timing"].missing(0, 1) == (0, 1)
+    assert columns[WALL_TIMING].steps.size == 0
+    assert columns[WALL_TIMING].missing(0, 1) == (0, 1)
 
 
 def test_big_endian_messages_are_read(tmp_path):
@@ -103,7 +104,7 @@ def test_big_endian_messages_are_read(tmp_path):
     data = bytes(CODEC.store.serialize_cdr(message, name, little_endian=False))
     state = ("attitude_state", 0, CODEC.state(0, np.eye(3), np.zeros(3)))
     with open_bag(record(tmp_path / "bag", [state, ("torque_command", 5, data)])) as bag:
-        columns = read_columns(bag, ["torque_command"])["torque_command"]
+        columns = read_columns(bag, [TORQUE])[TORQUE]
     assert columns.steps.tolist() == [5]
     assert columns.fields["torque"].tolist() == [[1.0, -2.0, 3.0]]
     assert columns.fields["source"].tolist() == [3]
@@ -111,7 +112,7 @@ def test_big_endian_messages_are_read(tmp_path):
 
 def test_blocks_come_in_the_order_of_recording(tmp_path):
     flight = random_flight(4100)
-    names = ["attitude_state", "torque_command"]
+    names = [STATE, TORQUE]
     with open_bag(record(tmp_path / "bag", flight_messages(flight))) as bag:
         seen = []
         blocks = list(
@@ -120,12 +121,12 @@ def test_blocks_come_in_the_order_of_recording(tmp_path):
         whole = read_columns(bag, names)
     sizes = [(name, block.steps[0], block.steps.size) for name, block in blocks]
     assert sizes == [
-        ("attitude_state", 0, 4096),
-        ("torque_command", 0, 4096),
-        ("attitude_state", 4096, 5),
-        ("torque_command", 4096, 4),
+        (STATE, 0, 4096),
+        (TORQUE, 0, 4096),
+        (STATE, 4096, 5),
+        (TORQUE, 4096, 4),
     ]
-    np.testing.assert_array_equal(whole["torque_command"].fields["torque"], flight.torque)
+    np.testing.assert_array_equal(whole[TORQUE].fields["torque"], flight.torque)
     assert sorted(seen) == seen
     assert 0 < seen[-1][0] <= seen[-1][1]
 
@@ -134,15 +135,15 @@ def test_blocks_of_long_messages_hold_fewer_of_them(tmp_path, monkeypatch):
     monkeypatch.setattr("spacecraft_gnc.recording.columns._BLOCK_BYTES", 1000)
     messages = flight_messages(FLIGHT)
     with open_bag(record(tmp_path / "bag", messages)) as bag:
-        sizes = [block.steps.size for _, block in iter_columns(bag, ["attitude_state"])]
+        sizes = [block.steps.size for _, block in iter_columns(bag, [STATE])]
     assert sizes == [6, 6, 1]  # of 188 bytes each
 
 
 def test_fields_can_be_left_out(tmp_path):
     with open_bag(record(tmp_path / "bag", flight_messages(FLIGHT))) as bag:
-        columns = read_columns(bag, ["solver_status"], leave_out=["predicted_attitudes"])
-    assert "predicted_attitudes" not in columns["solver_status"].fields
-    assert "predicted_torques" in columns["solver_status"].fields
+        columns = read_columns(bag, [SOLVER_STATUS], leave_out=["predicted_attitudes"])
+    assert "predicted_attitudes" not in columns[SOLVER_STATUS].fields
+    assert "predicted_torques" in columns[SOLVER_STATUS].fields
 
 
 @pytest.mark.parametrize(
@@ -156,15 +157,23 @@ def test_a_message_that_does_not_follow_its_definition(tmp_path, data):
         open_bag(tmp_path / "bag") as bag,
         pytest.raises(RecordingError, match=r"/attitude_state: received a message of \d+ bytes"),
     ):
-        read_columns(bag, ["attitude_state"])
+        read_columns(bag, [STATE])
 
 
-@pytest.mark.parametrize("type_name", TYPE_HASHES)
-def test_the_hashes_are_those_of_the_message_definitions(type_name):
-    assert CODEC.store.hash_rihs01(type_name) == TYPE_HASHES[type_name]
+def test_a_topic_of_a_vehicle_that_is_not_installed_is_read_by_its_definition(tmp_path):
+    other = Signal(name="solver_status", type=SOLVER_STATUS.type, fields={})
+    with open_bag(record(tmp_path / "bag", flight_messages(FLIGHT))) as bag:
+        known = read_columns(bag, [SOLVER_STATUS])[SOLVER_STATUS]
+        columns = read_columns(bag, [other])[other]
+    assert columns.fields.keys() == known.fields.keys()
+    np.testing.assert_array_equal(columns.fields["residual"], known.fields["residual"])
 
 
-@pytest.mark.skipif("AMENT_PREFIX_PATH" not in os.environ, reason="no ROS installation sourced")
-@pytest.mark.parametrize("type_name", TYPE_HASHES)
-def test_the_hashes_are_those_of_the_installed_messages(type_name):
-    assert InstalledInterfaces().type_hash(type_name) == TYPE_HASHES[type_name]
+def test_a_signal_of_the_graph_lies_above_its_agents(tmp_path, monkeypatch):
+    with open_bag(record(tmp_path / "bag", flight_messages(FLIGHT), namespace="/sc1")) as bag:
+        names = flight_topics(bag, [STATE, TORQUE], "sc1")
+        assert names == {"/sc1/attitude_state": STATE, "/sc1/torque_command": TORQUE}
+        bag.topics["/wall_timing"] = WALL_TIMING.type
+        monkeypatch.setattr(steps, "_check_type", lambda *_: None)
+        assert flight_topics(bag, [STATE, WALL_TIMING], "sc1")["/wall_timing"] is WALL_TIMING
+        assert flight_topics(bag, [WALL_TIMING], "sc1") == {"/wall_timing": WALL_TIMING}

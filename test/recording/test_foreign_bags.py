@@ -27,9 +27,10 @@ from recording.foreign_bags import (
 from spacecraft_gnc.analysis.reader import load_run, read_flight
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
-from spacecraft_gnc.recording.playback import CLOCK, Playback
+from spacecraft_gnc.recording.playback import Playback
 from spacecraft_gnc.recording.rebuild import rebuild
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.vehicles.known_signals import every_signal
 
 FLIGHT = random_flight(24)
 ITEMS = flight_messages(FLIGHT)
@@ -56,14 +57,14 @@ def same_flight(path):
 def played(path):
     """Return the span and the messages that a player would publish, without ticks."""
     with open_bag(path) as bag:
-        playback = Playback(bag)
+        playback = Playback(bag, signals=every_signal())
         moments = list(playback.moments(playback.start_ns))
         assert playback.held == {
             f"/{name}": sum(1 for topic, *_ in ITEMS if topic == name)
             for name in {topic for topic, *_ in ITEMS}
         }
         assert [moment.time_ns for moment in moments] == sorted({m.time_ns for m in moments})
-        messages = [item for m in moments for item in m.messages if item[0] != CLOCK]
+        messages = [item for m in moments for item in m.messages if item[0] != "/clock"]
         return (playback.start_ns, playback.end_ns), sorted(messages), playback.topics
 
 

@@ -10,11 +10,15 @@ from recording.bags import CODEC, announce, flight_messages, random_flight, reco
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
-from spacecraft_gnc.recording.playback import CLOCK, Playback, strongest
+from spacecraft_gnc.recording.playback import Playback, strongest
 from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.signals import graph
 from spacecraft_gnc.signals.qos import QosProfile
+from spacecraft_gnc.vehicles.known_signals import every_signal
+
+CLOCK = graph.CLOCK.name
 
 ORDER = [
     "/attitude_state",
@@ -30,7 +34,7 @@ STRING = "std_msgs/msg/String"
 
 def play(folder, wanted=(), from_ns=0):
     with open_bag(folder) as bag:
-        return list(Playback(bag, wanted).moments(from_ns))
+        return list(Playback(bag, wanted, every_signal()).moments(from_ns))
 
 
 def shuffled(n, seed):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -14,7 +14,9 @@ from spacecraft_gnc.analysis.export.field_text import FieldText, field_texts
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
-from spacecraft_gnc.recording.steps import TYPES, namespace_topics
+from spacecraft_gnc.recording.steps import namespace_topics
+from spacecraft_gnc.signals.signal import Signal
+from spacecraft_gnc.vehicles.known_signals import every_signal, signal_of
 
 STEP: Final = "step"
 STAMP: Final = "stamp"
@@ -123,14 +125,15 @@ def read_export(
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         recorded = namespace_topics(bag, namespace)
-        known = [name for name in TYPES if name in recorded]
+        known = _stepped(bag, recorded)
         _require(path, [name.strip("/") for name in names], known)
         wanted = [name for name in known if not names or name in {n.strip("/") for n in names}]
-        columns = read_columns(bag, wanted, namespace, progress)
+        signals = [known[name] for name in wanted]
+        columns = read_columns(bag, signals, namespace, progress) if signals else {}
         topics = tuple(
-            _topic(bag, name, recorded[name], columns[name])
+            _topic(bag, name, recorded[name], columns[known[name]])
             for name in wanted
-            if columns[name].steps.size
+            if columns[known[name]].steps.size
         )
         if not topics:
             raise RecordingError(
@@ -138,12 +141,24 @@ def read_export(
                 "step; record a longer run"
             )
         require_reach(bag, *(topic.steps for topic in topics))
-        left_out = tuple(sorted(topic for name, topic in recorded.items() if name not in TYPES))
+        left_out = tuple(sorted(topic for name, topic in recorded.items() if name not in known))
         remarks = tuple(bag.remarks())
     return Export(path, topics, *(((), ()) if names else (left_out, remarks)))
 
 
-def _require(path: Path, names: Sequence[str], known: Sequence[str]) -> None:
+def _stepped(bag: Bag, recorded: Mapping[str, str]) -> dict[str, Signal]:
+    """Return the signals with a control step by name; of users, what counts is told elsewhere."""
+    order = {signal: place for place, signal in enumerate(every_signal())}
+    found = {
+        name: signal_of(topic, bag.topics[topic])
+        for name, topic in recorded.items()
+        if bag.is_stepped(topic)
+    }
+    told = [name for name, signal in found.items() if signal.publishers or not signal.fields]
+    return {name: found[name] for name in sorted(told, key=lambda n: order.get(found[n], 99))}
+
+
+def _require(path: Path, names: Sequence[str], known: Iterable[str]) -> None:
     for name in names:
         if name not in known:
             raise RecordingError(

@@ -14,18 +14,12 @@ from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
-from spacecraft_gnc.recording.steps import (
-    ACCEPTED_TARGET,
-    GOVERNOR_STATUS,
-    INVARIANTS,
-    REFERENCE,
-    SOLVER_STATUS,
-    STATE,
-    TORQUE,
-)
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
+from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS, STATE, TORQUE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
@@ -81,7 +75,7 @@ def read_recorded(
     return Recorded(trajectory, missing, overridden)
 
 
-def acted(columns: Mapping[str, Columns]) -> Torques:
+def acted(columns: Mapping[Signal, Columns]) -> Torques:
     """Return what the plant applied; where it did not tell, what was commanded."""
     commands, applied = columns[TORQUE], columns[INVARIANTS]
     told = applied.steps > 0  # an entry tells of the step that ended there
@@ -97,7 +91,7 @@ def acted(columns: Mapping[str, Columns]) -> Torques:
     return Torques(acted, np.concatenate(torque)[first], np.concatenate(source)[first])
 
 
-def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> int:
+def whole_steps(bag: Bag, columns: Mapping[Signal, Columns], torques: Torques) -> int:
     """Return the number of whole control steps: those with a state before and after them.
 
     Raises
@@ -118,7 +112,7 @@ def whole_steps(bag: Bag, columns: Mapping[str, Columns], torques: Torques) -> i
     return count
 
 
-def _missing(columns: Mapping[str, Columns], torques: Torques) -> dict[str, tuple[int, ...]]:
+def _missing(columns: Mapping[Signal, Columns], torques: Torques) -> dict[str, tuple[int, ...]]:
     """Return the steps without a message, by topic; a topic never recorded is not listed."""
     flown = int(torques.steps[-1]) + 1
     missing = {
@@ -128,10 +122,10 @@ def _missing(columns: Mapping[str, Columns], torques: Torques) -> dict[str, tupl
     for topic in (REFERENCE, SOLVER_STATUS):
         if columns[topic].steps.size:
             missing[topic] = columns[topic].missing(0, flown - 1)
-    return {topic: absent for topic, absent in missing.items() if absent}
+    return {topic.name: absent for topic, absent in missing.items() if absent}
 
 
-def _overridden(columns: Mapping[str, Columns]) -> tuple[int, ...]:
+def _overridden(columns: Mapping[Signal, Columns]) -> tuple[int, ...]:
     """Return the steps in which the plant applied another torque than commanded."""
     commands, applied = columns[TORQUE], columns[INVARIANTS]
     both, at, after = np.intersect1d(commands.steps, applied.steps - 1, return_indices=True)
@@ -158,7 +152,7 @@ def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
 
 
 def _trajectory(
-    n: int, columns: Mapping[str, Columns], torques: Torques, targets: Array, period: float
+    n: int, columns: Mapping[Signal, Columns], torques: Torques, targets: Array, period: float
 ) -> RigidBodyFlight:
     states, references, solves, decisions = (
         columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from spacecraft_gnc.recording.columns import Columns, read_columns
-from spacecraft_gnc.recording.steps import INVARIANTS, SOLVER_STATUS, WALL_TIMING
+from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory

@@ -11,14 +11,11 @@ from spacecraft_gnc.audit.ledger import as_absolute
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import State
 from spacecraft_gnc.recording.metadata import LOSSES_RECORD
-from spacecraft_gnc.recording.steps import (
-    ACCEPTED_TARGET,
-    GOVERNOR_STATUS,
-    REFERENCE,
-    STATE,
-    flight_topics,
-)
+from spacecraft_gnc.recording.steps import flight_topics
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.signals import STATE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Evidence, Progress
@@ -72,10 +69,16 @@ def _not_asked(evidence: Evidence) -> str:
     missing = set(_NEEDED) - set(recorded.values())
     missing |= {name for name in _ANSWERED if not evidence.columns[name].steps.size}
     if missing:
-        return f"not recorded: {', '.join(sorted(missing))}"
+        return f"not recorded: {', '.join(sorted(map(str, missing)))}"
     losses = evidence.bag.metadata().get(LOSSES_RECORD, {})
     lost = [topic for topic in recorded if losses.get(topic, "0") != "0"]
     return f"the recorder lost messages of {', '.join(sorted(lost))}" if lost else ""
+
+
+def _field(where: str) -> tuple[Signal, str]:
+    """Return signal and field of a name in `_FIELDS`."""
+    topic, _, name = where.partition(".")
+    return next(signal for signal in _ANSWERED if signal.name == topic), name
 
 
 class _Decided(NamedTuple):
@@ -97,7 +100,7 @@ class _Inquiry:
         self._constraints = status.fields[_CONSTRAINT][np.isin(status.steps, steps)]
         columns = [
             evidence.rows(topic, name, steps).reshape(len(steps), -1)
-            for topic, _, name in (field.partition(".") for field in _FIELDS)
+            for topic, name in (_field(where) for where in _FIELDS)
         ]
         self._recorded: Array = np.hstack(columns)
         self._limits: Array | None = None  # of each column; rounding may tip what is counted

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
-from spacecraft_gnc.recording.steps import REFERENCE, SOLVER_STATUS, STATE, TORQUE
+from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.status import NO_SOLVE, Status
 from spacecraft_gnc.vehicles.rigid_body.audit.certificate import CORRECTED, ROUNDING
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import HARD, TERMINAL, Certifier, Plans
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import Sample, restored, sample
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
+from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, STATE, TORQUE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.counts import Counts

@@ -12,16 +12,8 @@ from spacecraft_gnc.audit.evidence import Evidence, Progress, Topics
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.audit.limits import Exceedance
 from spacecraft_gnc.audit.vehicle import Watch
-from spacecraft_gnc.recording.steps import (
-    ACCEPTED_TARGET,
-    GOVERNOR_STATUS,
-    INVARIANTS,
-    REFERENCE,
-    SOLVER_STATUS,
-    STATE,
-    TORQUE,
-    WALL_TIMING,
-)
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
+from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.vehicles.rigid_body.audit.decisions import audit_decisions
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
@@ -33,26 +25,13 @@ from spacecraft_gnc.vehicles.rigid_body.audit.solver import SolverAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.torques import audit_torques, held_steps
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
 from spacecraft_gnc.vehicles.rigid_body.recorded import PLANS, acted, whole_steps
+from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS, STATE, TORQUE
 
 _TOPICS: Final = Topics(
-    publishers={
-        STATE: "plant",
-        INVARIANTS: "plant",
-        REFERENCE: "reference_governor",
-        GOVERNOR_STATUS: "reference_governor",
-        TORQUE: "nmpc_controller",
-        SOLVER_STATUS: "nmpc_controller",
-    },
+    every_step=(STATE, INVARIANTS, REFERENCE, GOVERNOR_STATUS, TORQUE, SOLVER_STATUS),
     sparse=(ACCEPTED_TARGET, WALL_TIMING),
     solves=SOLVER_STATUS,
     plans=PLANS,
-    shapes={
-        "attitude": (9,),
-        "angular_momentum": (3,),
-        "angular_velocity": (3,),
-        "torque": (3,),
-        "applied_torque": (3,),
-    },
 )
 
 

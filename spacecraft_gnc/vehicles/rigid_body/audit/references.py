@@ -9,7 +9,7 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
-from spacecraft_gnc.recording.steps import GOVERNOR_STATUS, REFERENCE
+from spacecraft_gnc.signals.attitude import GOVERNOR_STATUS, REFERENCE
 
 ROUNDING: Final = 1e-13
 _ATTITUDE, _ORIENTATION = "attitude_reference.attitude", "attitude_reference.orientation"

@@ -18,11 +18,12 @@ from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Reference, Source, State
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
-from spacecraft_gnc.recording.steps import REFERENCE, STATE, TORQUE
+from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
 from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
+from spacecraft_gnc.vehicles.rigid_body.signals import STATE, TORQUE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.protocols import Controller

@@ -14,7 +14,8 @@ from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.shooting import AUTOMATIC
 from spacecraft_gnc.recording.columns import Columns
-from spacecraft_gnc.recording.steps import REFERENCE, STATE, TORQUE
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.status import NO_SOLVE, Status
 from spacecraft_gnc.vehicles.rigid_body.audit.certificate import CertificateAudit, Rows
 from spacecraft_gnc.vehicles.rigid_body.audit.corrections import CorrectionAudit
@@ -28,6 +29,7 @@ from spacecraft_gnc.vehicles.rigid_body.audit.plans import (
 )
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LadderAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.standstills import STANDSTILLS, StandstillAudit
+from spacecraft_gnc.vehicles.rigid_body.signals import STATE, TORQUE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
@@ -122,7 +124,7 @@ class SolverAudit:
             self._ledger.skip(FAILURES, "no failure is claimed")
 
     def _fallbacks(
-        self, block: Columns, solved: NDArray[np.bool_], *topics: str
+        self, block: Columns, solved: NDArray[np.bool_], *topics: Signal
     ) -> NDArray[np.int64]:
         """Return the steps that the ladder answered: not those that a law answers by itself.
 

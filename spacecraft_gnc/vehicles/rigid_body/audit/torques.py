@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.recording.steps import INVARIANTS, TORQUE, WALL_TIMING
+from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, TORQUE
 
 _APPLIED: Final = "plant_invariants.applied_torque"
 _SOURCE: Final = "plant_invariants.applied_source"
