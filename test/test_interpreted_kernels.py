@@ -29,7 +29,7 @@ from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
     ShootingSolver, TerminalSetOcp, TerminalSetSolver, Weights, linearize,
 )
-from spacecraft_gnc.types import State
+from spacecraft_gnc.types import Reference, State
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
 Q = np.array([[1.0, 0.2, 0.1], [0.2, 0.9, 0.0], [0.1, 0.0, 1.1]])
@@ -60,6 +60,17 @@ near.solve(R, Pi)
 o = near.solve(R @ lie.exp(np.array([1e-4, 0.0, 0.0])), Pi)
 assert o.formulation == "neighboring_extremal"
 found |= {"near": o.torques, "near_error": near.error_bound}
+omega = np.array([0.05, 0.1, -0.07])
+turn = Reference(R.T, omega, np.cross(omega, J @ omega) + 0.01)
+for formulation in ("backward_sweep", "single_shooting"):
+    o = ShootingSolver(ocp, options=ShootingOptions(formulation=formulation)).solve(R, Pi, turn)
+    assert o.converged
+    found |= {f"moving_{formulation}": o.torques, f"moving_{formulation}_cost": o.cost}
+near.reset()
+near.solve(R, Pi, turn)
+o = near.solve(R, Pi, turn._replace(attitude=turn.attitude @ lie.exp(1e-4 * omega)))
+assert o.formulation == "neighboring_extremal"
+found |= {"near_moving": o.torques, "gradient_moving": ocp.gradient(u, R, Pi, turn)}
 flat = AttitudeOcp(np.diag([1.0, 0.8, 0.8]), 0.4, 30)  # a saddle, and the way off it
 o = ShootingSolver(flat).solve(lie.exp(np.array([math.pi, 0.0, 0.0])), np.zeros(3))
 assert o.converged and o.cost < 0.4
@@ -82,6 +93,7 @@ found |= {
     "reference": decision.reference.attitude, "governor_margin": decision.margin,
     "tail": [ahead.tail.level, ahead.tail.growth, ahead.horizon, decision.violation_step],
     "feedback": law.torque(state, R), "lyapunov": law.lyapunov(state, R),
+    "tracking": law.torque(state, turn),
 }
 terminal_level.RAYS, terminal_level.SAMPLES = 64, 256  # interpreted, they take their time
 kalabic = TerminalSetOcp(J, 0.2, 8, Q, 0.5 * Q, 2.0 * Q, 0.1, 0.5, "true")

@@ -52,7 +52,14 @@ from spacecraft_gnc.ocp._solve_kernels import (
 )
 from spacecraft_gnc.ocp.batch import BatchSolution, solve_many
 from spacecraft_gnc.ocp.problem import AttitudeOcp
-from spacecraft_gnc.ocp.reference import Tracked, is_moving, motion_of, stacked, unreachable
+from spacecraft_gnc.ocp.reference import (
+    Tracked,
+    as_reference,
+    is_moving,
+    motion_of,
+    stacked,
+    unreachable,
+)
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import (
@@ -252,7 +259,7 @@ class ShootingSolver:
             )
             target = self._target.copy()
         if code in (BAD_STATE, BAD_REFERENCE, BAD_GUESS):
-            self._refuse(attitude, momentum, target)
+            self._refuse(code, attitude, momentum, reference)
         limit = self.ocp.max_torque
         solution = Solution(
             u,
@@ -330,12 +337,14 @@ class ShootingSolver:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""
         self.solve(IDENTITY, np.zeros(3))
 
-    def _refuse(self, attitude: ArrayLike, momentum: ArrayLike, target: ArrayLike) -> NoReturn:
+    def _refuse(
+        self, code: int, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None
+    ) -> NoReturn:
         as_rotation("attitude", attitude)
         as_vector3("momentum", momentum)
-        as_rotation("reference", target)
-        if self._moved:
-            raise unreachable(Reference(self._target, *self._motion), self.ocp.time_step)
+        tracked = as_reference(reference)
+        if code == BAD_REFERENCE:
+            raise unreachable(tracked, self.ocp.time_step)
         raise ParameterError(
             "warm_start: received NaN or infinity; required finite multipliers; pass the "
             "warm_start of a converged solution, or None to start from zero"

@@ -285,6 +285,13 @@ def test_a_reference_that_is_none_is_refused(change, error, words):
             solver.solve(*OFF, TURN._replace(**change))
 
 
+def test_a_warm_start_that_is_none_is_named_whatever_the_reference_does():
+    solver, guess = ShootingSolver(OCP), np.full((OCP.horizon, 6), math.nan)
+    for reference in (START, TURN):
+        with pytest.raises(ParameterError, match="warm_start: received NaN"):
+            solver.solve(*OFF, reference, guess)
+
+
 def test_a_terminal_set_and_a_stored_run_are_for_references_at_rest():
     ocp = TerminalSetOcp(np.diag([10.0, 8.0, 8.0]), 0.1, 5, max_torque=0.02, terminal_set="false")
     solver = TerminalSetSolver(ocp)

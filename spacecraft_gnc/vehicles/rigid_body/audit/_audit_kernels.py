@@ -86,20 +86,10 @@ def resume(body, h, substeps, attitudes, momenta, torques, next_attitudes, next_
 
 
 @kernel
-def _distance9(A, B):
-    """Largest difference of two matrices; infinite where a number is not finite."""
+def _distance(a, b):
+    """Largest difference of two vectors or matrices; infinite where a number is not finite."""
     largest = 0.0
-    for i in range(9):
-        d = abs(A[i] - B[i])
-        largest = max(largest, d) if math.isfinite(d) else math.inf
-    return largest
-
-
-@kernel
-def _distance3(a, b):
-    """Largest difference of two vectors; infinite where a number is not finite."""
-    largest = 0.0
-    for i in range(3):
+    for i in range(len(a)):
         d = abs(a[i] - b[i])
         largest = max(largest, d) if math.isfinite(d) else math.inf
     return largest
@@ -117,8 +107,8 @@ def _fill(body, data, R, Pi, u, z, W, numbers):
         store_stage(h, Jd, W, k, q0, q, p)
         for i in range(z.shape[1]):
             W[k, Z_AT + i] = z[k, i]
-        turned = _distance9(rotate_rows(q0, q, load9(R, k)), load9(R, k + 1))
-        pushed = _distance3(add(p, scale(h, load3(u, k))), load3(Pi, k + 1))
+        turned = _distance(rotate_rows(q0, q, load9(R, k)), load9(R, k + 1))
+        pushed = _distance(add(p, scale(h, load3(u, k))), load3(Pi, k + 1))
         numbers[ATTITUDE_DEFECT] = max(numbers[ATTITUDE_DEFECT], turned)
         at = FIRST_DEFECT if k == 0 else MOMENTUM_DEFECT
         numbers[at] = max(numbers[at], pushed)
