@@ -35,7 +35,13 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._neighboring_kernels import LAST, LAST_REFERENCE, SEEN, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import RESTING, Tracked, as_reference, is_moving
-from spacecraft_gnc.ocp.shooting import NO_MARGINS, ShootingOptions, ShootingSolver, horizon_shapes
+from spacecraft_gnc.ocp.shooting import (
+    IDENTITY,
+    NO_MARGINS,
+    ShootingOptions,
+    ShootingSolver,
+    horizon_shapes,
+)
 from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import (
@@ -203,12 +209,13 @@ class NeighboringExtremal:
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None
     ) -> Solution | None:
         started = perf_counter()
-        target, moving = reference, self._moved
+        moving = self._moved
+        target: ArrayLike = IDENTITY if reference is None else reference  # type: ignore[assignment]
         if isinstance(reference, Reference):
-            target, moving = reference.attitude, moving or is_moving(reference)
+            target, moving = reference[0], moving or is_moving(reference)
         if moving:
             self._take(reference)
-        elif target is not None and np.asarray(target).tobytes() != self._target_bytes:
+        elif not self._is_last(target):
             return None
         rows = self._rows
         self._attitude[...], self._momentum[...] = attitude, momentum
@@ -231,6 +238,12 @@ class NeighboringExtremal:
             self._target, self.ocp, FORMULATION, self._curvature, margins, off, travel,
         )  # fmt: skip
         return solution._replace(feedforward=self._motion) if moving else solution
+
+    def _is_last(self, target: ArrayLike) -> bool:
+        try:
+            return bool(target.tobytes() == self._target_bytes)  # type: ignore[union-attr]
+        except AttributeError:  # a list, say
+            return np.asarray(target, dtype=np.float64).tobytes() == self._target_bytes
 
     def _take(self, reference: Tracked | None) -> None:
         """Put a moving reference, or what follows one, into ``rows``."""

@@ -254,6 +254,15 @@ def test_neighboring_extremals_come_back_to_rest():
     assert found.iterations > 0
 
 
+def test_without_a_reference_the_sequence_tracks_the_identity_whatever_it_tracked_before():
+    for before in (START, TURN):
+        sequence = NeighboringExtremal(OCP)
+        sequence.solve(*OFF, before)
+        found = sequence.solve(*OFF)
+        assert np.array_equal(found.reference, np.eye(3))
+        assert not found.feedforward.any()
+
+
 def test_a_reference_that_turns_too_far_in_a_step_is_refused():
     fast = Reference(np.eye(3), np.array([0.0, 0.0, 9.0]), np.zeros(3))
     words = r"reference: received angular velocity \[0, 0, 9\].*Kalabic et al. 2014, \(3\)"
