@@ -1,7 +1,7 @@
-"""Console scripts; ``python -m spacecraft_gnc`` is ``gnc``.
+"""Console scripts. ``python -m spacecraft_gnc`` is ``gnc``.
 
-Nothing is imported before it is needed: Ctrl-C ends a command without a traceback even while it is
-being loaded, and where ROS 2 is missing a node says so in one line.
+Imports are deferred: Ctrl-C ends a command without a traceback even while it is being loaded, and
+a node reports a missing ROS 2 in one line.
 """
 
 import sys

@@ -1,9 +1,9 @@
-"""The one way kernels are compiled, and the one line that says so where it takes long.
+"""Compilation of the kernels, and the one-line notice shown when it takes long.
 
 ``cache``: compiled once, at set-up. ``error_model="numpy"``: a division by zero gives infinity or
 NaN, which the solvers report as a status, instead of an exception in the loop. No fast-math: the
 same numbers interpreted (NUMBA_DISABLE_JIT=1) and on every machine with the same libraries.
-``no_cfunc_wrapper``: no C callbacks, which nobody calls and which cost a fifteenth of the set-up.
+``no_cfunc_wrapper``: no C callbacks, which are unused and take a fifteenth of the set-up time.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
 
 
 class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types
-    """Tells once, on stderr, that kernels of this package are being compiled, once it lasts.
+    """Report once, on stderr, that kernels of this package are being compiled, if it takes long.
 
-    Numba tells of every kernel that it compiles; one out of the cache is not among them. Kernels
-    call kernels, so that a cold cache is a long chain of such events.
+    Numba emits an event for every kernel that it compiles, but not for one from the cache. Kernels
+    call kernels, so a cold cache causes a long chain of such events.
     """
 
     def __init__(self) -> None:
@@ -37,7 +37,7 @@ class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types
         self._told = False
 
     def on_start(self, event: Any) -> None:
-        """Note that a kernel begins to be compiled; tell it where that lasts already."""
+        """Note the start of a compilation; print the notice if compiling already takes long."""
         if not _is_ours(event):
             return
         if self._depth == 0:
@@ -54,7 +54,7 @@ class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types
                 )
 
     def on_end(self, event: Any) -> None:
-        """Note that a kernel has been compiled."""
+        """Note the end of a compilation."""
         self._depth -= _is_ours(event)
 
 

@@ -1,6 +1,6 @@
 """Checks of single arguments: numbers, counts, words, objects and paths.
 
-Every refusal names the argument, the value, what is required and what to give. Arrays are checked
+Every error names the argument, the value, the requirement and the remedy. Arrays are checked
 by `spacecraft_gnc.arrays` and `spacecraft_gnc.types`.
 """
 
@@ -30,12 +30,12 @@ def shown(value: object) -> str:
 def as_real(
     name: str, value: object, holds: Callable[[float], bool], need: str, remedy: str
 ) -> float:
-    """Return a finite real number as a float, one of NumPy or an array of no dimension included.
+    """Return a finite real number as a float; NumPy scalars and 0-d arrays are accepted.
 
     Raises
     ------
     ParameterError
-        If it is none, such as a bool or a text, or does not satisfy ``holds``.
+        If it is not a number, such as a bool or a text, or does not satisfy ``holds``.
     """
     value = _unwrapped(value)
     number = math.nan
@@ -50,7 +50,7 @@ def as_real(
 
 
 def _unwrapped(value: object) -> object:
-    """Return the number in an array of no dimension; anything else as it is."""
+    """Return the number in a 0-d array; anything else unchanged."""
     return value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
 
 
@@ -66,7 +66,7 @@ def as_limit(name: str, value: object) -> float:
 
 
 def as_count(name: str, value: object, least: int = 1, remedy: str = "", most: int = _MOST) -> int:
-    """Return a whole number as an int; raise ParameterError if it is none, or out of bounds."""
+    """Return an integer as an int; raise ParameterError if it is not one, or out of bounds."""
     value = _unwrapped(value)
     is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if is_whole and least <= value <= most:  # type: ignore[operator]
@@ -79,7 +79,7 @@ def as_count(name: str, value: object, least: int = 1, remedy: str = "", most: i
 
 
 def as_tuple(name: str, values: object, of: str) -> tuple[Any, ...]:
-    """Return a sequence as a tuple; raise ParameterError if it is none, or a text."""
+    """Return a sequence as a tuple; raise ParameterError if it is not one, or a text."""
     if isinstance(values, Iterable) and not isinstance(values, (str, bytes)):
         return tuple(values)
     raise ParameterError(
@@ -88,7 +88,7 @@ def as_tuple(name: str, values: object, of: str) -> tuple[Any, ...]:
 
 
 def require_word(name: str, word: object, words: tuple[str, ...]) -> None:
-    """Raise ParameterError if ``word`` is none of ``words``."""
+    """Raise ParameterError if ``word`` is not one of ``words``."""
     if not (isinstance(word, str) and word in words):
         raise ParameterError(
             f"{name}: received {shown(word)}; required one of {', '.join(words)}; choose one"
@@ -96,7 +96,7 @@ def require_word(name: str, word: object, words: tuple[str, ...]) -> None:
 
 
 def require_kind(name: str, value: T, kind: type[Any]) -> T:
-    """Return ``value``; raise ParameterError if it is no object of a class."""
+    """Return ``value``; raise ParameterError if it is not an instance of a class."""
     if isinstance(value, kind):
         return value
     raise ParameterError(
@@ -106,7 +106,7 @@ def require_kind(name: str, value: T, kind: type[Any]) -> T:
 
 
 def require_members(name: str, value: T, members: tuple[str, ...], kind: str) -> T:
-    """Return ``value``; raise ParameterError if it lacks members that a protocol asks for."""
+    """Return ``value``; raise ParameterError if it lacks members of a protocol."""
     missing = [member for member in members if not hasattr(value, member)]
     if missing:
         raise ParameterError(
@@ -117,7 +117,7 @@ def require_members(name: str, value: T, members: tuple[str, ...], kind: str) ->
 
 
 def require_path(name: str, value: object) -> str:
-    """Return the text of a path; raise ParameterError if it is none of a file."""
+    """Return the text of a path; raise ParameterError if it is not a file path."""
     if isinstance(value, (str, os.PathLike)):
         text = os.fsdecode(value)
         if "\0" not in text:

@@ -1,4 +1,4 @@
-"""Checks of arrays of any shape: what is no number, and what has another shape, is refused."""
+"""Checks of arrays: finite numbers of the required shape."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def as_shaped(
     Raises
     ------
     ShapeError
-        If it has another shape, or holds anything but numbers.
+        If it has another shape, or holds non-numeric values.
     """
     if type(value) is np.ndarray and value.dtype is FLOAT64 and value.shape == shape:
         return value
@@ -44,7 +44,7 @@ def as_stack(name: str, value: object) -> Array:
     Raises
     ------
     ShapeError
-        If it has another shape, or holds anything but numbers.
+        If it has another shape, or holds non-numeric values.
     """
     array = as_float(name, value, "an array of shape (..., 3, 3)")
     if array.shape[-2:] != (3, 3):
@@ -58,7 +58,7 @@ def as_rows(name: str, value: object, columns: int) -> Array:
     Raises
     ------
     ShapeError
-        If it has another shape, or holds anything but numbers.
+        If it has another shape, or holds non-numeric values.
     """
     array = np.atleast_2d(as_float(name, value, f"rows of {columns} numbers"))
     if array.ndim != 2 or array.shape[1] != columns:
@@ -67,12 +67,12 @@ def as_rows(name: str, value: object, columns: int) -> Array:
 
 
 def as_finite(name: str, value: object, shape: tuple[int, ...], required: str) -> Array:
-    """Return ``value`` as a read-only float64 array of a shape; ``required`` says what it holds.
+    """Return ``value`` as a read-only float64 array of a shape; ``required`` describes the content.
 
     Raises
     ------
     ShapeError
-        If it has another shape, or holds anything but numbers.
+        If it has another shape, or holds non-numeric values.
     ParameterError
         If a number is NaN or infinite.
     """
@@ -96,7 +96,7 @@ def _wrong_shape(name: str, array: Array, required: str, remedy: str) -> ShapeEr
 
 
 def listed(values: NDArray[np.floating[Any]]) -> str:
-    """Return numbers as a message shows them, the first ones of many."""
+    """Return numbers as shown in a message; of many, only the first ones."""
     texts = [f"{value:.6g}" for value in values[:_LISTED]]
     return "[" + ", ".join([*texts, "..."] if len(values) > _LISTED else texts) + "]"
 
@@ -107,11 +107,11 @@ def as_float(name: str, value: object, required: str) -> Array:
     Raises
     ------
     ShapeError
-        If it holds anything but numbers, such as a bool or a text, or rows of several lengths.
+        If it holds non-numeric values, such as a bool or a text, or rows of different lengths.
     """
     try:
         array = np.asarray(value)
-    except (TypeError, ValueError):  # rows of several lengths
+    except (TypeError, ValueError):  # rows of different lengths
         array = np.empty(0, dtype=object)
     if array.dtype.kind not in "fiu" or _holds_bool(value):
         raise ShapeError(
@@ -121,7 +121,7 @@ def as_float(name: str, value: object, required: str) -> Array:
 
 
 def _holds_bool(value: object) -> bool:
-    """Whether a nested list holds a bool, which NumPy would take for a number."""
+    """Whether a nested list holds a bool, which NumPy would accept as a number."""
     if isinstance(value, (list, tuple)):
         return any(_holds_bool(item) for item in value)
     return isinstance(value, (bool, np.bool_))

@@ -1,7 +1,7 @@
 """Errors a user can cause.
 
-Every message says what is wrong, the value received, what is required and what to do. The command
-line prints the message without a traceback and ends with ``exit_code``.
+Every message names the item, the value received, the requirement and the remedy. The command line
+prints the message without a traceback and ends with ``exit_code``.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import ClassVar
 
 
 class GncError(Exception):
-    """Base of every error that a user can cause and mend."""
+    """Base of every error that a user can cause and correct."""
 
     exit_code: ClassVar[int] = 2
     """Process exit code: 2 the input was refused, 1 the run or the check failed."""
@@ -33,6 +33,6 @@ class RecordingError(GncError):
 
 
 class LaunchError(GncError):
-    """A graph could not be started, or ended otherwise than it should."""
+    """A graph could not be started, or ended abnormally."""
 
     exit_code: ClassVar[int] = 1

@@ -1,4 +1,4 @@
-"""What the optional dependencies bring, and the one line that tells of a missing one."""
+"""Optional dependencies, and the one-line error when one is missing."""
 
 from __future__ import annotations
 
@@ -33,12 +33,12 @@ class MissingDependency(GncError, ModuleNotFoundError):
 
 @contextmanager
 def explained_imports() -> Iterator[None]:
-    """Explain an import within that fails because an extra of the package is not installed.
+    """Explain an import error in the context that is caused by a missing extra of the package.
 
     Raises
     ------
     MissingDependency
-        In place of the ModuleNotFoundError of a module that an extra brings.
+        In place of the ModuleNotFoundError of a module that an extra provides.
     """
     try:
         yield
@@ -50,12 +50,12 @@ def explained_imports() -> Iterator[None]:
 
 
 def require_ros() -> None:
-    """Refuse to begin what will start nodes where there is no ROS 2; imports nothing.
+    """Refuse a command that starts nodes if ROS 2 is missing; imports nothing.
 
     Raises
     ------
     MissingDependency
-        rclpy or the messages are not installed.
+        If rclpy or the messages are not installed.
     """
     for name in ("rclpy", _OWN_MESSAGES):
         with explained_imports():

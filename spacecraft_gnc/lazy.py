@@ -1,4 +1,4 @@
-"""Attributes named before they are imported, so that what is not used is never loaded."""
+"""Attributes imported on first use, so that unused modules are never loaded."""
 
 from __future__ import annotations
 

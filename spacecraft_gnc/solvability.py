@@ -1,4 +1,4 @@
-"""The largest time steps with which a momentum can be integrated, in closed form (NumPy alone).
+"""Largest time steps with which a momentum can be integrated, in closed form (NumPy only).
 
 A step of the integrator exists if and only if (h hat(Pi))^2 + 4 Jd^2 >= 0, which is
 h |hat(Pi) Jd^-1| <= 2 in the spectral norm. Source: Kalabic et al. 2014, (3).
@@ -16,14 +16,14 @@ _EQUAL = 1e-12  # difference of two moments, relative, up to which they are the 
 
 
 def largest_step(inertia: Matrix3, momentum: Vector3) -> float:
-    """Return the largest time step [s] for which a step from this very momentum exists.
+    """Return the largest time step [s] for which a step from this momentum exists.
 
     Parameters
     ----------
     inertia : (3, 3) array
         Body frame [kg m^2].
     momentum : (3,) array
-        Body frame [N m s]; `largest_free_step` is for the motion that follows.
+        Body frame [N m s]; `largest_free_step` covers the subsequent motion.
     """
     size, direction = _size_and_direction(momentum)
     if size == 0.0:
@@ -35,13 +35,13 @@ def largest_step(inertia: Matrix3, momentum: Vector3) -> float:
 
 
 def largest_free_step(inertia: Matrix3, momentum: Vector3) -> float:
-    """Return the largest time step [s] with which the free body never comes to lack a step.
+    """Return the largest time step [s] for which every step of the free body exists.
 
-    In the body frame a free momentum keeps its size and its energy Pi . J^-1 Pi / 2, and goes round
-    the curve on which both are constant. With x_i = Pi_i^2 along the principal axes, that curve is
-    a segment of a straight line, and the condition is linear in x: with the eigenvalues d_i of Jd
-    it reads 1 + sum_i x_i / (4 d_i^2 / h^2 - |Pi|^2) <= 0 where one of the denominators is
-    negative. So it holds on the whole curve where it holds at the two ends of the segment.
+    In the body frame a free momentum keeps its size and its energy Pi . J^-1 Pi / 2, and moves
+    along the curve on which both are constant. With x_i = Pi_i^2 along the principal axes, that
+    curve is a segment of a straight line, and the condition is linear in x: with the eigenvalues
+    d_i of Jd it reads 1 + sum_i x_i / (4 d_i^2 / h^2 - |Pi|^2) <= 0 if one of the denominators is
+    negative. It therefore holds on the whole curve if it holds at the two ends of the segment.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def largest_free_step(inertia: Matrix3, momentum: Vector3) -> float:
 
 
 def _size_and_direction(momentum: Vector3) -> tuple[float, Vector3]:
-    """Split a momentum, by its largest component, so that no square overflows."""
+    """Scale a momentum by its largest component, so that no square overflows."""
     size = float(np.abs(momentum).max())
     if size == 0.0:
         return 0.0, np.zeros(3)
@@ -73,7 +73,7 @@ def _ends(moments: Vector3, x: Vector3) -> tuple[Array, Array]:
     """Return the ends of the segment x >= 0 on which sum x_i and sum x_i / J_i are constant."""
     inverse = moments[0] / moments
     v = np.cross(np.ones(3), inverse)
-    v[np.abs(v) <= _EQUAL] = 0.0  # a body of revolution precesses round its axis
+    v[np.abs(v) <= _EQUAL] = 0.0  # a body of revolution precesses about its axis
     with np.errstate(divide="ignore", invalid="ignore"):
         reach = -x / v
     first = reach[v > 0.0].max(initial=-math.inf)

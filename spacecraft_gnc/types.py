@@ -1,4 +1,4 @@
-"""Array types, the values that pass between the parts, and the checks of public arguments."""
+"""Array types, values exchanged between the parts, and checks of public arguments."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Matrix3: TypeAlias = NDArray[np.float64]
 ArrayLike: TypeAlias = Array | Sequence[float] | Sequence[Sequence[float]] | float
 
 ROTATION_TOLERANCE = 1e-6
-"""Largest Frobenius norm of R^T R - I accepted from outside: room for single-precision sources."""
+"""Largest Frobenius norm of R^T R - I accepted as input; allows single-precision sources."""
 
 MOMENTS = (1e-12, 1e15)
-"""Least and largest principal moment of inertia [kg m^2]: a speck of dust, a small asteroid."""
+"""Smallest and largest principal moment of inertia [kg m^2]: dust grain to small asteroid."""
 _PRODUCTS = (
     "off-diagonal entries are negative products of inertia, J_xy = -(integral of x y dm): where a "
     "table gives them without the sign, change it"
@@ -40,7 +40,7 @@ class State(NamedTuple):
 
 
 class Reference(NamedTuple):
-    """What the controller is asked to track during one control step."""
+    """Reference to track during one control step."""
 
     attitude: Matrix3
     """(3, 3) rotation, body to inertial."""
@@ -51,31 +51,31 @@ class Reference(NamedTuple):
 
 
 class GovernorDecision(NamedTuple):
-    """Reference that the governor allows, and why."""
+    """Reference admitted by the governor, and the reason."""
 
     reference: Reference
     alpha: float
-    """Share of the way to the target, or to the next intermediate reference, that was allowed."""
+    """Admitted fraction of the way to the target, or to the next intermediate reference."""
     admissible: bool
     """Whether the prediction under this reference keeps every constraint."""
     margin: float
-    """Smallest constraint margin along the prediction, in the unit of the constraint that it
-    belongs to (infinite where nothing is predicted)."""
+    """Smallest constraint margin along the prediction, in the unit of that constraint (infinite if
+    nothing is predicted)."""
     active_constraint: str
-    """Name of the constraint that limited alpha; empty where none did."""
+    """Name of the constraint that limited alpha; empty if none did."""
     evaluations: int
     """Predictions made."""
     violation_step: int = -1
     """Predicted step at which that constraint would have been violated under the smallest
-    refused alpha, counted from this control step; -1 where nothing was refused."""
+    refused alpha, counted from this control step; -1 if nothing was refused."""
     horizon: int = 0
-    """Steps that a prediction covers at the most; 0 where nothing is predicted."""
+    """Largest number of steps of a prediction; 0 if nothing is predicted."""
     waypoints: int = 0
     """Intermediate references still ahead of the target."""
 
 
 class Invariants(NamedTuple):
-    """Quantities that free motion conserves, and the defect of the rotation matrix."""
+    """Quantities conserved in free motion, and the orthogonality error of the rotation matrix."""
 
     kinetic_energy: float
     """[J]"""
@@ -159,14 +159,14 @@ def as_inertia(name: str, value: ArrayLike) -> Matrix3:
     Raises
     ------
     ParameterError
-        If it is not symmetric, not positive definite, its principal moments break the (strict)
-        triangle inequality, so that no rigid body with volume has it, or one of them lies outside
+        If it is not symmetric or not positive definite, if its principal moments violate the
+        (strict) triangle inequality of a rigid body with volume, or if one of them lies outside
         `MOMENTS`.
 
     Notes
     -----
-    The entries are those of the tensor: J_xy = -(integral of x y dm). A product of inertia that a
-    table gives as +(integral of x y dm) changes its sign.
+    The entries are those of the tensor: J_xy = -(integral of x y dm). Change the sign of a product
+    of inertia that a table gives as +(integral of x y dm).
     """
     inertia = as_symmetric(name, value)
     moments = np.linalg.eigvalsh(inertia)
@@ -215,7 +215,7 @@ def as_actuators(value: ArrayLike | None) -> Array:
     Raises
     ------
     ShapeError
-        If it has not 3 rows.
+        If it does not have 3 rows.
     ParameterError
         If a number is NaN or infinite, or an actuator (a column) gives no torque.
     """
@@ -237,7 +237,7 @@ def as_actuators(value: ArrayLike | None) -> Array:
 
 
 def unit_vector(name: str, value: ArrayLike) -> Vector3:
-    """Return ``value`` normalised, as a read-only array of shape (3,).
+    """Return ``value`` normalized, as a read-only array of shape (3,).
 
     Raises
     ------

@@ -85,7 +85,7 @@ def solvable(body, h, Pi):
 
 @kernel
 def relative_quaternion(body, h, Pi):
-    """Solve 2 q0 J q + 2 q x (J q) = h Pi for the quaternion (q0, q) of F_k; returns q0, q, ok."""
+    """Solve 2 q0 J q + 2 q x (J q) = h Pi for the quaternion (q0, q) of F_k; return q0, q, ok."""
     J = body_inertia(body)
     a = scale(h, Pi)
     q = scale(0.5, mat_vec(body_inverse_inertia(body), a))
@@ -94,7 +94,7 @@ def relative_quaternion(body, h, Pi):
         return q0, q, False
     for _ in range(MAX_NEWTON_STEPS):
         qq = dot(q, q)
-        if qq >= 1.0:  # beyond half a turn: come back inside the unit ball and go on
+        if qq >= 1.0:  # beyond half a turn: return into the unit ball and continue
             q = scale(0.9 / math.sqrt(qq), q)
             qq = dot(q, q)
         q0 = math.sqrt(1.0 - qq)
@@ -138,7 +138,7 @@ def rotation_of(q0, q):
 
 @kernel
 def rotate_back(q0, q, x):
-    """F^T x as x plus a small correction: the rounding is half a unit in the last place of x."""
+    """F^T x as x plus a small correction: the rounding error is half an ulp of x."""
     t = scale(2.0, cross(q, x))
     return add(x, sub(cross(q, t), scale(q0, t)))
 
@@ -183,7 +183,7 @@ def propagate(body, h, attitudes, momenta, torques, n):
 
 @kernel
 def held(body, h, R, Pi, u, n):
-    """R, Pi after up to n steps of the held torque u, and how many of them exist."""
+    """R, Pi after up to n steps of the held torque u, and the number of steps that exist."""
     for k in range(n):
         q0, q, ok = relative_quaternion(body, h, Pi)
         if not ok:

@@ -43,11 +43,11 @@ def pack_inertia(inertia: Matrix3) -> Array:
 
 
 def state_units(inertia: Matrix3, period: float) -> Array:
-    """Return units (6,) of (eta [rad], Pi [N m s]) in which both halves are of one size.
+    """Return units (6,) of (eta [rad], Pi [N m s]) that give both halves similar magnitudes.
 
-    One radian, and the momentum that turns the body by about that in one period [s]. Norms,
-    eigenvectors and linear systems that mix attitude and momentum are taken in these units, so that
-    they are the same whatever the units of mass and time are, and well conditioned.
+    One radian, and the momentum that turns the body by about one radian in one period [s]. Norms,
+    eigenvectors and linear systems that mix attitude and momentum use these units, so that they are
+    well conditioned and do not depend on the units of mass and time.
     """
     moment = float(np.linalg.eigvalsh(inertia)[0])
     return np.repeat([1.0, moment / period], 3)
@@ -55,7 +55,7 @@ def state_units(inertia: Matrix3, period: float) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class RigidBody:
-    """A free rigid body and the time step with which it is integrated.
+    """A free rigid body and its integration time step.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class RigidBody:
     Raises
     ------
     ShapeError, ParameterError
-        If the inertia is no inertia of a body with volume, or the time step is not positive.
+        If no body with volume has this inertia, or the time step is not positive.
     """
 
     inertia: Matrix3
@@ -80,20 +80,21 @@ class RigidBody:
         object.__setattr__(self, "packed", pack_inertia(self.inertia))
 
     def is_solvable(self, momentum: Vector3) -> bool:
-        """Tell whether a step from ``momentum`` (3,) [N m s] is taken: Kalabic (3).
+        """Tell whether ``momentum`` (3,) [N m s] satisfies the step condition, Kalabic (3).
 
         (h hat(Pi))^2 + 4 Jd^2 must be positive semi-definite; for a sphere this means less than a
-        quarter turn in one step. The step then exists; far from a sphere, longer ones would, too.
+        quarter turn per step. The step then exists; for bodies far from a sphere the condition is
+        stricter than necessary.
         """
         x, y, z = as_shaped("momentum", momentum, (3,)).tolist()
         return bool(solvable(self.packed, self.time_step, (x, y, z)))
 
     def require_solvable(self, name: str, momentum: Vector3) -> None:
-        """Raise ParameterError, with the largest time step that works, if no step exists."""
+        """Raise ParameterError with the largest possible time step if no step exists."""
         if self.is_solvable(momentum):
             return
         moment = " ".join(f"{value:.6g}" for value in momentum)
-        works = (1.0 - 1e-6) * self.largest_time_step(momentum)  # rounded to six digits, it works
+        works = (1.0 - 1e-6) * self.largest_time_step(momentum)  # holds after rounding to 6 digits
         raise ParameterError(
             f"{name}: received [{moment}] N m s with time step {self.time_step:g} s; required "
             "(h hat(Pi))^2 + 4 Jd^2 >= 0 (Kalabic et al. 2014, (3)), else the body turns too far "
@@ -104,8 +105,8 @@ class RigidBody:
     def largest_time_step(self, momentum: Vector3) -> float:
         """Return the largest time step [s] for free motion from ``momentum`` (3,) [N m s].
 
-        With it every step of the free body exists, whichever way the momentum turns in the body
-        frame; `is_solvable` tells of one step alone. A torque that adds to the momentum lowers it:
+        With it every step of the free body exists while the momentum rotates in the body frame;
+        `is_solvable` tests one step only. A torque that adds momentum lowers the limit:
         h |Pi| <= 2 d, with d the smallest eigenvalue of Jd, suffices for any momentum of that size.
 
         Source: Kalabic et al. 2014, (3), on the curve of constant momentum and energy.
@@ -136,18 +137,18 @@ class RigidBody:
         Raises
         ------
         ParameterError
-            If a step does not exist (Kalabic (3)), or an argument is refused.
+            If a step does not exist (Kalabic (3)), or an argument is invalid.
 
         Notes
         -----
-        Hot path: shapes and types are checked, and that a step exists, but not that the attitude is
-        a rotation; `simulate` checks that too. The attitude gets one Newton-Schulz step, so that
-        R^T R = I holds to rounding.
+        Hot path: shapes, types and the existence of a step are checked, but not that the attitude
+        is a rotation; `simulate` checks that too. One Newton-Schulz step keeps R^T R = I to
+        rounding.
         """
         try:
             plain = attitude.shape == (3, 3) and momentum.shape == torque.shape == (3,)
             plain = plain and attitude.dtype is momentum.dtype is torque.dtype is FLOAT64
-        except AttributeError:  # a list, say
+        except AttributeError:  # a list, for example
             plain = False
         if not plain or type(n_steps) is not int or n_steps < 1:
             attitude, n_steps = (
@@ -155,7 +156,7 @@ class RigidBody:
                 as_count("n_steps", n_steps),
             )
             momentum, torque = as_vector3("momentum", momentum), as_vector3("torque", torque)
-        state = np.empty((5, 3))  # one array of one type: one compiled kernel for every caller
+        state = np.empty((5, 3))  # one array type: one compiled kernel for all callers
         state[:3], state[3], state[4] = attitude, momentum, torque
         if advance(self.packed, self.time_step, state, n_steps) != n_steps:
             self.require_solvable("momentum", np.asarray(momentum))
@@ -180,7 +181,7 @@ class RigidBody:
         torques : (n, 3) or (3,) array
             Body torque of each step, or one torque held throughout [N m].
         n_steps : int, optional
-            Number of steps; required where one torque is held, else n.
+            Number of steps; required if one torque is held, otherwise n.
 
         Returns
         -------
@@ -190,7 +191,7 @@ class RigidBody:
         Raises
         ------
         ShapeError, ParameterError
-            If an argument is refused, or a step does not exist (Kalabic (3)).
+            If an argument is invalid, or a step does not exist (Kalabic (3)).
         """
         u = as_rows("torques", torques, 3)
         n = len(u) if n_steps is None else as_count("n_steps", n_steps)

@@ -1,4 +1,4 @@
-"""The rotation group SO(3)."""
+"""Rotation group SO(3)."""
 
 from spacecraft_gnc.lie.so3 import (
     angle_between,

@@ -1,6 +1,6 @@
-"""Vectors of 3 and matrices of 9 (row-major) as tuples: values that live in registers.
+"""Kernels on 3-vectors and row-major 3x3 matrices held as tuples, and so in registers.
 
-Arrays of three would be allocated and aliased; tuples are neither. Frames are those of the caller.
+Unlike arrays, tuples are not allocated or aliased. Frames are those of the caller.
 """
 
 from __future__ import annotations

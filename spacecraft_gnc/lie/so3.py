@@ -1,9 +1,9 @@
-"""Rotations: the group SO(3), its algebra, and quaternions at the edges.
+"""Rotations: the group SO(3), its algebra, and conversions to quaternions.
 
 Conventions
 -----------
-A rotation maps body to inertial components. Quaternions are unit, ordered x, y, z, w as in ROS,
-with w >= 0 where we make them (q and -q are the same rotation). Perturbations are on the right:
+A rotation maps body to inertial components. Quaternions are unit, ordered x, y, z, w as in ROS;
+those returned have w >= 0 (q and -q are the same rotation). Perturbations are on the right:
 R exp(hat(eta)).
 """
 
@@ -72,7 +72,7 @@ def log(rotation: Matrix3) -> Vector3:
     Raises
     ------
     ShapeError, ParameterError
-        If it is no (3, 3) array of finite numbers.
+        If it is not a (3, 3) array of finite numbers.
     """
     q = to_quaternion_xyzw(rotation)
     sine = float(np.linalg.norm(q[:3]))
@@ -87,7 +87,7 @@ def log(rotation: Matrix3) -> Vector3:
 def angle_between(first: Matrix3, second: Matrix3) -> float:
     """Return the angle in [0, pi] [rad] of the rotation from ``first`` to ``second``.
 
-    NaN where either is not known. Raises ShapeError if one is no (3, 3) array.
+    NaN if either is unknown. Raises ShapeError if one is not a (3, 3) array.
     """
     relative = as_shaped("first", first, (3, 3)).T @ as_shaped("second", second, (3, 3))
     sine = float(np.linalg.norm(vee(relative)))
@@ -107,7 +107,7 @@ def vector_angle(first: Array, second: Array) -> Array:
 def angles_between(first: Array, second: Array) -> Array:
     """Return `angle_between` for stacks (n, 3, 3) of rotations, as (n,) [rad].
 
-    One of them may be one rotation (3, 3), which stands for each. Raises ShapeError for others.
+    One of them may be a single rotation (3, 3), used for all. Raises ShapeError for other shapes.
     """
     first, second = as_stack("first", first), as_stack("second", second)
     try:
@@ -129,9 +129,9 @@ def angles_between(first: Array, second: Array) -> Array:
 def to_quaternion_xyzw(rotation: Matrix3) -> Array:
     """Return the unit quaternion (4,) x, y, z, w of ``rotation``, w >= 0.
 
-    The largest of the four squared components is found first, so that nothing is divided by a
-    small number (Shepperd's method). NaN where the rotation is not known. Raises ShapeError if it
-    is no (3, 3) array.
+    The largest of the four squared components is found first, to avoid division by a small number
+    (Shepperd's method). NaN if the rotation is unknown. Raises ShapeError if it is not a (3, 3)
+    array.
     """
     r = as_shaped("rotation", rotation, (3, 3))
     trace = float(r[0, 0] + r[1, 1] + r[2, 2])
@@ -151,12 +151,12 @@ def to_quaternion_xyzw(rotation: Matrix3) -> Array:
 
 
 def from_quaternion_xyzw(quaternion: Array) -> Matrix3:
-    """Return the rotation (3, 3) of a quaternion (4,) x, y, z, w; it is normalised first.
+    """Return the rotation (3, 3) of a quaternion (4,) x, y, z, w, which is normalized first.
 
     Raises
     ------
     ShapeError, ParameterError
-        If it is not four finite numbers of non-zero norm.
+        If it is not four finite numbers of nonzero norm.
     """
     q = as_shaped("quaternion", quaternion, (4,), "give x, y, z, w")
     norm = float(np.linalg.norm(q))
@@ -182,7 +182,7 @@ def is_rotation(matrix: Matrix3, tolerance: float = ROTATION_TOLERANCE) -> bool:
 def orthonormalize(matrix: Matrix3) -> Matrix3:
     """Return the rotation (3, 3) nearest to ``matrix`` in the Frobenius norm.
 
-    Raises ShapeError or ParameterError if it is no (3, 3) array of finite numbers.
+    Raises ShapeError or ParameterError if it is not a (3, 3) array of finite numbers.
     """
     u, _, vt = np.linalg.svd(as_finite("matrix", matrix, (3, 3), "a 3x3 matrix"))
     u[:, -1] *= np.sign(np.linalg.det(u @ vt))
