@@ -1,1 +1,1 @@
-"""Starts the nodes of a scenario, watches them, ends them; ROS-free but for what nodes/ lends."""
+"""Launcher: starts, monitors and stops the nodes of a scenario."""

@@ -7,26 +7,26 @@ from typing import TYPE_CHECKING, Final
 if TYPE_CHECKING:
     from spacecraft_gnc.scenario import Scenario
 
-_MANY: Final = 0.5  # share of the steps
-_PATIENCE: Final = 3.0  # [s] wall: a graph that has just started may miss the first ones
+_MANY: Final = 0.5  # fraction of the steps
+_PATIENCE: Final = 3.0  # [s] wall: a graph may miss the first deadlines after its start
 
 
 def misses_most(missed: int, steps: int) -> bool:
-    """Tell whether so many missed deadlines are most of them."""
+    """Tell whether most of the deadlines were missed."""
     return steps > 0 and missed > _MANY * steps
 
 
 def lateness(missed: int, steps: int, wall_elapsed: float, scenario: Scenario) -> str:
-    """Return one line on a flight that flies without its controller; empty where it does not.
+    """Return a one-line warning if the controller misses most deadlines; otherwise an empty text.
 
     Parameters
     ----------
     missed, steps
-        Deadlines missed in so many control steps.
+        Missed deadlines and control steps.
     wall_elapsed
         Since step 0 [s]; infinite when the flight is over.
     scenario
-        What flies.
+        The scenario that flies.
     """
     plant = scenario.plant
     settled = wall_elapsed >= _PATIENCE

@@ -1,9 +1,9 @@
-"""ROS domains on this machine: which are taken, by whom, and which is free.
+"""ROS domains on this machine: which are in use, by whom, and which is free.
 
-A graph holds two locks while it lives: ``graph`` by its launcher, ``clock`` by its plant. Locks are
-advisory file locks in the temporary folder, so that a process that dies gives them back. They are
-locks of the open file description (`man fcntl`): unlike those of flock, they can be asked for
-without being taken, so that who only looks is never seen as a graph, nor keeps one away.
+A running graph holds two locks: ``graph`` by its launcher, ``clock`` by its plant. They are
+advisory file locks in the temporary folder, which the system releases when a process dies, and
+belong to the open file description (`man fcntl`): unlike flock locks, they can be queried without
+being acquired, so a query is never mistaken for a graph and never blocks one.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from spacecraft_gnc.errors import LaunchError
 GRAPH: Final = "graph"
 CLOCK: Final = "clock"
 # RTPS 2.3, 9.6.1.1: ports 7400 + 250 d + offset. Up to domain 101 they stay below the ephemeral
-# ports of Linux. Domain 0 is everybody's default, so it is left alone.
+# ports of Linux. Domain 0 is the default of ROS 2, so it is not used.
 _FREE_DOMAINS: Final = range(1, 102)
 _PORT_BASE: Final = 7400
 _PORTS_PER_DOMAIN: Final = 250
@@ -33,13 +33,13 @@ _WHOLE_FILE: Final = struct.pack(_FLOCK, fcntl.F_WRLCK, os.SEEK_SET, 0, 0, 0)
 
 
 class DomainTaken(LaunchError):
-    """Another graph lives on the domain asked for."""
+    """Another graph runs on the requested domain."""
 
     exit_code: ClassVar[int] = 2
 
 
 class Graph(NamedTuple):
-    """A graph that runs on this machine now."""
+    """A graph running on this machine."""
 
     domain_id: int
     about: dict[str, Any]
@@ -47,7 +47,7 @@ class Graph(NamedTuple):
 
 
 class DomainLock:
-    """A held lock; give it back with `release`, or by the end of the process."""
+    """A held lock, released by `release` or by the end of the process."""
 
     def __init__(self, kind: str, domain_id: int, descriptor: int) -> None:
         self.kind = kind
@@ -55,19 +55,19 @@ class DomainLock:
         self._descriptor = descriptor
 
     def release(self) -> None:
-        """Give the lock back. Doing so twice does nothing."""
+        """Release the lock; a second call does nothing."""
         if self._descriptor >= 0:
-            os.close(self._descriptor)  # the file stays: removing it would race with a new holder
+            os.close(self._descriptor)  # keep the file: removing it would race with a new holder
             self._descriptor = -1
 
 
 def claim(kind: str, domain_id: int, about: Mapping[str, Any]) -> DomainLock:
-    """Take the lock of a kind on a domain.
+    """Acquire the lock of a kind on a domain.
 
     Raises
     ------
     DomainTaken
-        Another process holds it; the message names that process.
+        If another process holds it; the message names that process.
     """
     lock = _try_claim(kind, domain_id, about)
     if lock is None:
@@ -76,12 +76,12 @@ def claim(kind: str, domain_id: int, about: Mapping[str, Any]) -> DomainLock:
 
 
 def claim_given(domain_id: int, about: Mapping[str, Any]) -> DomainLock:
-    """Take a domain for a graph; refuse it where another graph or a lone plant lives.
+    """Reserve a domain for a graph, unless another graph or a single plant uses it.
 
     Raises
     ------
     DomainTaken
-        The domain is in use.
+        If the domain is in use.
     """
     lock = claim(GRAPH, domain_id, about)
     try:
@@ -93,12 +93,12 @@ def claim_given(domain_id: int, about: Mapping[str, Any]) -> DomainLock:
 
 
 def claim_free(about: Mapping[str, Any]) -> DomainLock:
-    """Take a domain on which nothing lives, whoever it is.
+    """Reserve a domain that no process of any user uses.
 
     Raises
     ------
     LaunchError
-        Every domain is taken.
+        If every domain is in use.
     """
     for domain_id in _FREE_DOMAINS:
         if not _ports_free(domain_id):
@@ -114,7 +114,7 @@ def claim_free(about: Mapping[str, Any]) -> DomainLock:
 
 
 def running_graphs() -> Iterator[Graph]:
-    """Graphs of this user that hold a domain now."""
+    """Graphs of this user that currently hold a domain."""
     for path in sorted(_folder().glob(f"{GRAPH}_*.lock")):
         if _is_held(path):
             yield Graph(int(path.stem.removeprefix(f"{GRAPH}_")), _read(path))
@@ -124,7 +124,7 @@ def _try_claim(kind: str, domain_id: int, about: Mapping[str, Any]) -> DomainLoc
     descriptor = os.open(_path(kind, domain_id), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         fcntl.fcntl(descriptor, fcntl.F_OFD_SETLK, _WHOLE_FILE)
-    except (BlockingIOError, PermissionError):  # POSIX leaves open which
+    except (BlockingIOError, PermissionError):  # POSIX allows either
         os.close(descriptor)
         return None
     os.ftruncate(descriptor, 0)
@@ -151,7 +151,7 @@ def _folder() -> Path:
 def _read(path: Path) -> dict[str, Any]:
     try:
         about = json.loads(path.read_text())
-    except (OSError, ValueError):  # the holder is just writing it
+    except (OSError, ValueError):  # the holder is writing it
         return {}
     return about if isinstance(about, dict) else {}
 
@@ -165,7 +165,7 @@ def _refusal(domain_id: int, about: Mapping[str, Any]) -> str:
 
 
 def _ports_free(domain_id: int) -> bool:
-    """Whether no first participant of any DDS program listens on the domain."""
+    """Whether no DDS program listens on the domain as its first participant."""
     port = _PORT_BASE + _PORTS_PER_DOMAIN * domain_id + _FIRST_PARTICIPANT
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:

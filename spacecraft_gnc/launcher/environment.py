@@ -1,4 +1,4 @@
-"""Environment variables that ROS 2 processes of ours start with."""
+"""Environment variables of the ROS 2 processes."""
 
 from __future__ import annotations
 
@@ -22,33 +22,33 @@ _PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 _TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 _MIDDLEWARE = "RMW_IMPLEMENTATION"
 _INDEX = Path("share", "ament_index", "resource_index", "rmw_typesupport")
-_SELECTOR = "rmw_implementation"  # listed there, and loads one of the others
+_SELECTOR = "rmw_implementation"  # listed among them, but only loads one of the others
 _FOLDER = Path(__file__).parent.parent / "nodes"
 _ON_THIS_MACHINE = _FOLDER / "fastdds_profile.xml"
 _FARTHER = _FOLDER / "fastdds_discovery.xml"
-# The ROS wheels set both or neither; a process with the first alone cannot import rclpy.
+# The ROS wheels set both or neither; a process with only the first cannot import rclpy.
 _BOOTSTRAPPED = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 _LIBRARY_PATH = "LD_LIBRARY_PATH"
 
 
 class MiddlewareMissing(LaunchError):
-    """RMW_IMPLEMENTATION names no middleware that is installed."""
+    """RMW_IMPLEMENTATION names a middleware that is not installed."""
 
     exit_code: ClassVar[int] = 2
 
 
 class DomainRefused(LaunchError):
-    """ROS_DOMAIN_ID is no domain."""
+    """ROS_DOMAIN_ID is not a valid domain."""
 
     exit_code: ClassVar[int] = 2
 
 
 def prepare(environment: MutableMapping[str, str]) -> None:
-    """Keep a process of ours on this machine, and easy to find and to kill, unless told not to.
+    """Restrict discovery to this machine by default, by a profile without shared memory.
 
-    rmw_fastrtps forces shared memory upon the range LOCALHOST, whatever a profile says. Shared
-    memory does not survive a kill (see ``fastdds_profile.xml``), so the loopback device is asked
-    for by a profile, and the range left to it.
+    rmw_fastrtps forces shared memory for the range LOCALHOST, whatever the profile says. A killed
+    process can block others that share its memory (see ``fastdds_profile.xml``), so the profile
+    selects the loopback device and determines the range.
     """
     if any(environment.get(name) for name in _PROFILES):
         environment.setdefault(_DISCOVERY_RANGE, "LOCALHOST")
@@ -61,7 +61,7 @@ def prepare(environment: MutableMapping[str, str]) -> None:
 
 
 def require_middleware(environment: Mapping[str, str]) -> None:
-    """Refuse a middleware that is not installed: rclpy would end the process when imported.
+    """Refuse a missing middleware, because importing rclpy would then end the process.
 
     Raises
     ------
@@ -80,12 +80,12 @@ def require_middleware(environment: Mapping[str, str]) -> None:
 
 
 def domain_id(environment: Mapping[str, str]) -> int:
-    """Return the domain that an environment asks for; 0 by default.
+    """Return the domain requested by an environment; 0 by default.
 
     Raises
     ------
     DomainRefused
-        ROS_DOMAIN_ID holds no admissible number.
+        If ROS_DOMAIN_ID is not a valid number.
     """
     text = environment.get(DOMAIN_ID) or "0"
     if not text.isdecimal() or int(text) > _LARGEST_DOMAIN:
@@ -101,7 +101,7 @@ def for_node(base: Mapping[str, str], domain_id: int) -> dict[str, str]:
     prepare(environment)
     environment[DOMAIN_ID] = str(domain_id)
     environment[SUPERVISED] = "1"
-    environment["PYTHONUNBUFFERED"] = "1"  # a log shows the last words of a killed node
+    environment["PYTHONUNBUFFERED"] = "1"  # keeps the last output of a killed node
     if _LIBRARY_PATH not in environment:
         environment.pop(_BOOTSTRAPPED, None)
     return environment

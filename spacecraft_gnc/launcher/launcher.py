@@ -1,4 +1,4 @@
-"""Runs a plan: processes up, nodes configured and activated, watched, ended in order."""
+"""Execution of a launch plan: start, configure, activate, monitor and stop the nodes."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from spacecraft_gnc.launcher.progress import Display
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
     from spacecraft_gnc.ros.supervisor import Supervisor
 
-_BEAT: Final = 0.05  # [s] wall: how late a death or a signal may be noticed
-_STARTUP_PATIENCE: Final = 120.0  # [s] wall until step 0; kernels may have to be compiled
+_BEAT: Final = 0.05  # [s] wall: longest delay in noticing a death or a signal
+_STARTUP_PATIENCE: Final = 120.0  # [s] wall until step 0, including compilation of kernels
 _END_PATIENCE: Final = 5.0  # [s] wall for a node to end
-_DRAIN_PATIENCE: Final = 30.0  # [s] wall for the recorder to empty its queues
-_MOST_RESTARTS: Final = 3  # of one node
+_DRAIN_PATIENCE: Final = 30.0  # [s] wall for the recorder to drain its queues
+_MOST_RESTARTS: Final = 3  # per node
 
 
 class Launcher:
@@ -35,9 +35,9 @@ class Launcher:
     ----------
     plan : LaunchPlan
     display : Display
-        Shown what goes on.
+        Shows the progress.
     born : float
-        ``time.monotonic()`` at which the user's command began [s].
+        ``time.monotonic()`` at the start of the user's command [s].
     """
 
     def __init__(self, plan: LaunchPlan, display: Display, born: float) -> None:
@@ -52,18 +52,18 @@ class Launcher:
         self._warned = False
 
     def run(self) -> Outcome:
-        """Fly the scenario and return how it went.
+        """Fly the scenario and return the outcome.
 
         Raises
         ------
         DomainTaken
-            Another graph runs on the domain asked for.
+            If another graph runs on the requested domain.
         NodeRefused
-            A node could not be configured.
+            If a node could not be configured.
         NodeDied
-            A node ended that should not have; all others were ended and the bag closed.
+            If a node ended unexpectedly; all others were stopped and the bag closed.
         Interrupted
-            The user ended the launch; likewise.
+            If the user ended the launch; all nodes were stopped and the bag closed.
         """
         try:
             lock = self._claim_domain()
@@ -97,7 +97,7 @@ class Launcher:
         return domain.claim_given(given, about) if given >= 0 else domain.claim_free(about)
 
     def _fly(self) -> Any:
-        """Start, watch and end the processes; return the last progress seen."""
+        """Start, monitor and stop the processes; return the last progress received."""
         try:
             for name in [COMPOSED] if self.plan.composed else self.plan.nodes:
                 self._start(name, autostart=False)
@@ -131,7 +131,7 @@ class Launcher:
         self._processes[name] = NodeProcess(name, arguments, self._environment, log)
 
     def _bring_up(self, supervisor: Supervisor) -> None:
-        """Wait until the first step is under way."""
+        """Wait until the first step has started."""
         deadline = time.monotonic() + _STARTUP_PATIENCE
         while supervisor.progress.step < 0 and not self._finished():
             self._watch(supervisor)
@@ -146,7 +146,7 @@ class Launcher:
         self._startup_time = time.monotonic() - self._born - elapsed
 
     def _watch(self, supervisor: Supervisor) -> None:
-        """Let a beat pass; notice signals and deaths."""
+        """Wait one polling period; check for signals and dead nodes."""
         supervisor.spin(_BEAT)
         if self._signal:
             raise Interrupted(self._signal)
@@ -155,7 +155,7 @@ class Launcher:
                 self._on_death(name, process, supervisor.progress.step)
 
     def _warn(self, progress: Any, *, over: bool = False) -> None:
-        """Say once that the controller does not keep up."""
+        """Warn once if the controller does not keep up."""
         elapsed = math.inf if over else progress.wall_elapsed
         text = lateness(progress.missed_deadlines, progress.step, elapsed, self.plan.scenario)
         if text and not self._warned:
@@ -163,7 +163,7 @@ class Launcher:
             self.display.warn(text)
 
     def _finished(self) -> bool:
-        """Whether the plant has flown the scenario."""
+        """Whether the plant has completed the scenario."""
         host = self._processes[COMPOSED if self.plan.composed else PLANT]
         return host.exit_code == 0
 
@@ -179,7 +179,7 @@ class Launcher:
         self._start(name, autostart=True)
 
     def _end(self) -> None:
-        """End what still runs: who sends before who records."""
+        """Stop the remaining nodes: publishers before the recorder."""
         first = [name for name in self._processes if name != RECORDER]
         end_all([self._processes[name] for name in first], _END_PATIENCE)
         if RECORDER in self._processes:
@@ -199,7 +199,7 @@ class Launcher:
         return NodeDied(text, process.last_words())
 
     def _refusal(self, names: Sequence[str]) -> NodeRefused:
-        self._end()  # the nodes print their reasons when they end
+        self._end()  # the nodes print their reasons as they end
         hosts = [self._processes.get(name) or self._processes[COMPOSED] for name in names]
         lines = [f"{host.name}: {reason}" for host in hosts for reason in host.errors()]
         return NodeRefused("\n".join(lines) or f"{', '.join(names)}: refused; see {self.plan.logs}")
@@ -215,7 +215,7 @@ class Launcher:
 
     @contextmanager
     def _signals(self) -> Iterator[None]:
-        """Turn SIGINT and SIGTERM into an orderly end."""
+        """Turn SIGINT and SIGTERM into an orderly shutdown."""
         numbers = (signal.SIGINT, signal.SIGTERM)
         before = {number: signal.getsignal(number) for number in numbers}
 

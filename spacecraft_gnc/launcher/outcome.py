@@ -1,4 +1,4 @@
-"""How a launch ended."""
+"""Outcome of a launch."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from spacecraft_gnc.errors import LaunchError
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outcome:
-    """What a finished launch leaves behind.
+    """Result of a finished launch.
 
     Attributes
     ----------
@@ -25,13 +25,13 @@ class Outcome:
     wall_time
         From the first state to the last [s].
     startup_time
-        From the start of the launcher to the first torque [s]; NaN if none was seen.
+        From the start of the launcher to the first torque [s]; NaN if none was received.
     missed_deadlines
-        Steps whose torque came too late.
+        Steps whose torque was late.
     restarts
-        Nodes that died and were started again.
+        Nodes that died and were restarted.
     bags
-        Folders of the recordings; more than one where the recorder was restarted.
+        Folders of the recordings; more than one if the recorder was restarted.
     """
 
     domain_id: int
@@ -45,12 +45,12 @@ class Outcome:
 
 
 class NodeDied(LaunchError):
-    """A node ended that should not have, or never came to life.
+    """A node ended unexpectedly, or never started.
 
     Parameters
     ----------
     message
-        Which node, and how it ended.
+        The node, and how it ended.
     last_words
         The last lines of its log.
     """
@@ -67,7 +67,7 @@ class NodeRefused(LaunchError):
 
 
 class Interrupted(LaunchError):
-    """The user ended the launch; every node was ended and the bag closed.
+    """The user ended the launch; every node was stopped and the bag closed.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is to be started: scenario, folder, processes. Nothing is started here."""
+"""Launch plan: scenario, folder and processes. Nothing is started here."""
 
 from __future__ import annotations
 
@@ -33,22 +33,22 @@ _RUNS: Final = Path("runs")
 
 
 class LaunchRefused(LaunchError):
-    """What the user asked for cannot be launched."""
+    """The requested launch is not possible."""
 
     exit_code: ClassVar[int] = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaunchPlan:
-    """A launch, ready to go.
+    """A prepared launch.
 
     Attributes
     ----------
     scenario
-        What will fly, overrides included.
+        The scenario to fly, overrides included.
     parameter_file
-        The file that every node reads: the user's own, or one in ``out`` with the values that fly,
-        where ROS 2 would give the nodes others.
+        The file that every node reads: the user's own, or one in ``out`` with the values to fly
+        if ROS 2 would give the nodes other values.
     out
         Folder of this run: bag, logs.
     nodes
@@ -56,7 +56,7 @@ class LaunchPlan:
     composed
         Whether they share one process.
     restart
-        Whether a dead controller, governor or recorder is started again.
+        Whether a dead controller, governor or recorder is restarted.
     """
 
     scenario: Scenario
@@ -68,7 +68,7 @@ class LaunchPlan:
 
     @property
     def records(self) -> bool:
-        """Whether there will be a bag."""
+        """Whether the launch records a bag."""
         return RECORDER in self.nodes
 
     @property
@@ -77,8 +77,8 @@ class LaunchPlan:
         return self.out / BAG_FOLDER
 
     def discard(self) -> None:
-        """Remove what was made for a run that was refused before it began."""
-        with suppress(OSError):  # not empty: somebody else's
+        """Remove the files of a run that was refused before it began."""
+        with suppress(OSError):  # not empty: holds other files
             (self.out / RUN_SCENARIO).unlink(missing_ok=True)
             self.out.rmdir()
 
@@ -98,16 +98,16 @@ def make_plan(
 ) -> LaunchPlan:
     """Check a scenario, create the folder of its run and return the plan.
 
-    The nodes run in the root namespace, also with the sections of another one.
+    The nodes run in the root namespace, even if the sections belong to another one.
 
     Raises
     ------
     GncError
-        The scenario cannot be flown.
+        If the scenario is invalid.
     LaunchRefused
-        The folder cannot be used, or there is no plant to fly.
+        If the folder cannot be used, or there is no plant.
     MiddlewareMissing
-        ROS 2 could not start.
+        If ROS 2 cannot start.
     """
     path = find(path)
     _require_utf8(path, out)
@@ -145,15 +145,15 @@ def make_plan(
 
 
 def node_options(autostart: bool, bag: Path) -> list[str]:
-    """Return what the launcher lays over the parameter file of a node, as values of ``-p``."""
+    """Return the launcher's overrides of a node's parameter file, as values of ``-p``."""
     return [f"autostart:={emit(autostart)}", f"{RECORDER}:storage_folder:={emit(str(bag))}"]
 
 
 def _is_read_as(scenario: Scenario, path: Path) -> bool:
     """Tell whether the nodes, given a file and the launcher's options, fly a scenario.
 
-    They would not if its sections are those of another namespace, or if one of them comes after
-    those that the options are laid into.
+    They do not if its sections belong to another namespace, or if one of them follows the sections
+    into which the options are merged.
     """
     bag = Path("bag")
     sections: Sections = {}
@@ -169,7 +169,7 @@ def _is_read_as(scenario: Scenario, path: Path) -> bool:
 
 
 def _require_utf8(*paths: Path | None) -> None:
-    """Refuse names that ROS 2 cannot take as an argument of a node."""
+    """Refuse names that ROS 2 cannot accept as an argument of a node."""
     for path in filter(None, paths):
         try:
             str(path.absolute()).encode()
@@ -191,7 +191,7 @@ def _make_folder(scenario: Path, out: Path | None) -> Path:
                 f"--out: received {str(out)!r}, which holds files; required a new or empty folder, "
                 "so that no earlier run is overwritten; choose another one"
             )
-        with tempfile.NamedTemporaryFile(dir=out):  # permission bits alone do not tell
+        with tempfile.NamedTemporaryFile(dir=out):  # permission bits alone are not conclusive
             pass
     except OSError as error:
         place = out if out is not None else _RUNS

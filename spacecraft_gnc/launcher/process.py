@@ -1,4 +1,4 @@
-"""A node as a child process: started, watched, ended, its last words kept."""
+"""Node as a child process: started, monitored, stopped, with its last output kept."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Final
 
 from spacecraft_gnc.launcher.environment import TELL_WHERE
 
-_TAIL: Final = 20  # lines of a log that are shown
+_TAIL: Final = 20  # lines of a log shown
 _TAIL_BYTES: Final = 8192
 _LAST_WORDS: Final = 0.5  # [s] wall
 _POLL: Final = 0.02  # [s] wall
@@ -22,17 +22,17 @@ _POLL: Final = 0.02  # [s] wall
 class NodeProcess:
     """One process that hosts one node, or several.
 
-    Its output goes to a log file. The end of its standard input tells it that the launcher is gone,
-    so that no node outlives a launcher that was killed.
+    Its output goes to a log file. The end of its standard input tells it that the launcher has
+    ended, so that no node outlives a killed launcher.
 
     Parameters
     ----------
     name
-        How people call it.
+        Name shown to the user.
     arguments
         Command line after the interpreter.
     environment
-        All of its environment variables.
+        Complete environment variables.
     log
         File for stdout and stderr; appended to.
     """
@@ -43,7 +43,7 @@ class NodeProcess:
         self.name = name
         self.log = log
         self._asked_at = 0.0  # [s] wall
-        self._overdue = 0.0  # [s] wall after which its end was forced; 0: it was not
+        self._overdue = 0.0  # [s] wall after which it was killed; 0: not killed
         with log.open("ab") as output:
             self._popen = subprocess.Popen(
                 [sys.executable, *arguments],
@@ -51,7 +51,7 @@ class NodeProcess:
                 stdout=output,
                 stderr=subprocess.STDOUT,
                 env=dict(environment),
-                start_new_session=True,  # Ctrl-C reaches the launcher only, which ends us in order
+                start_new_session=True,  # Ctrl-C reaches only the launcher, which ends us in order
             )
 
     @property
@@ -61,17 +61,17 @@ class NodeProcess:
 
     @property
     def exit_code(self) -> int | None:
-        """Exit code; minus the number of the signal that killed it; None while it runs."""
+        """Exit code, or minus the number of the signal that killed it; None while it runs."""
         return self._popen.poll()
 
     def end(self) -> None:
-        """Ask it to end cleanly."""
+        """Request a clean shutdown."""
         self._asked_at = time.monotonic()
         if self.exit_code is None:
             self._popen.terminate()
 
     def join(self, patience: float) -> int:
-        """Wait for its end; kill it after ``patience`` seconds of wall time; return the code."""
+        """Wait for its end; kill it after ``patience`` [s] of wall time; return the exit code."""
         try:
             code = self._popen.wait(patience)
         except subprocess.TimeoutExpired:
@@ -82,11 +82,11 @@ class NodeProcess:
         return code
 
     def _kill(self) -> int:
-        """Let it tell its log where it hangs, then kill it; return the code."""
+        """Let it log the stacks of its threads, then kill it; return the exit code."""
         title = f"{self.name}: did not end within {self._overdue:.1f} s; its threads:\n"
         with suppress(OSError), self.log.open("ab") as log:
             log.write(title.encode())
-        self._popen.send_signal(TELL_WHERE)  # ends a process that is no node of ours yet
+        self._popen.send_signal(TELL_WHERE)  # ends a process that has not become a node yet
         try:
             return self._popen.wait(_LAST_WORDS)
         except subprocess.TimeoutExpired:
@@ -94,7 +94,7 @@ class NodeProcess:
             return self._popen.wait()
 
     def describe_end(self) -> str:
-        """Say in words how it ended."""
+        """Return a description of how it ended."""
         code = self.exit_code
         if code is None:
             return f"{self.name} (pid {self.pid}) is running"
@@ -116,13 +116,13 @@ class NodeProcess:
         return lines[-_TAIL:]
 
     def errors(self) -> list[str]:
-        """Return the ``error:`` lines among its last words, without the prefix."""
+        """Return the ``error:`` lines among the last lines of its log, without the prefix."""
         prefix = "error: "
         return [w.removeprefix(prefix) for w in self.last_words() if w.startswith(prefix)]
 
 
 def end_all(processes: Sequence[NodeProcess], patience: float) -> None:
-    """End several processes together, and wait for all of them."""
+    """Stop several processes together, and wait for all of them."""
     for process in processes:
         process.end()
     deadline = time.monotonic() + patience

@@ -1,4 +1,4 @@
-"""What a user sees while a graph flies: a bar, plain lines, or nothing."""
+"""Progress display of a flight: a bar, plain lines, or nothing."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from spacecraft_gnc.launcher.deadlines import misses_most
 if TYPE_CHECKING:
     from spacecraft_gnc.launcher.plan import LaunchPlan
 
-_LINE_PERIOD: Final = 5.0  # [s] wall time between two plain lines
-_WIDE: Final = 110  # columns of a terminal from which the bar is the wide one
+_LINE_PERIOD: Final = 5.0  # [s] wall between two plain lines
+_WIDE: Final = 110  # least columns of a terminal for the wide bar
 _WIDE_BAR, _NARROW_BAR = 30, 10  # columns
-_AROUND: Final = len("starting   100.0 %  ")  # columns of what stands beside bar and status
+_AROUND: Final = len("starting   100.0 %  ")  # columns of the text beside bar and status
 
 
 class Report(Protocol):
-    """What the graph tells about itself (`nodes._supervisor.Progress`)."""
+    """Progress as reported by the graph (`nodes._supervisor.Progress`)."""
 
     step: int
     wall_elapsed: float
@@ -33,37 +33,37 @@ class Report(Protocol):
 
 
 class Display:
-    """Shows warnings only: the base of what shows more. All of it goes to stderr."""
+    """Shows warnings only, on stderr; base of the other displays."""
 
     def waiting(self, plan: LaunchPlan, domain_id: int) -> None:
-        """Take note that the processes were started."""
+        """Report that the processes were started."""
 
     def starting(self, stages: Mapping[str, str]) -> None:
-        """Take note of how far the nodes have come."""
+        """Report the state of the nodes during start-up."""
 
     def flying(self, report: Report) -> None:
-        """Take note of where the flight is."""
+        """Report the progress of the flight."""
 
     def note(self, text: str) -> None:
-        """Take note of something worth a line."""
+        """Report an event in one line."""
 
     def warn(self, text: str) -> None:
         """Print a warning."""
         print(f"warning: {text}", file=sys.stderr, flush=True)
 
     def close(self) -> None:
-        """Show nothing more."""
+        """Close the display."""
 
 
 class Silence(Display):
     """Shows nothing."""
 
     def warn(self, text: str) -> None:
-        """Keep it to itself."""
+        """Show no warning."""
 
 
 class PlainLines(Display):
-    """A line now and then, for logs and pipes."""
+    """Occasional lines, for logs and pipes."""
 
     def __init__(self) -> None:
         self._last = 0.0
@@ -71,13 +71,13 @@ class PlainLines(Display):
         self._period = 0.0
 
     def waiting(self, plan: LaunchPlan, domain_id: int) -> None:
-        """Say what was started and where."""
+        """Print what was started and where."""
         self._n_steps, self._period = plan.scenario.n_steps, plan.scenario.period
         self._last = time.monotonic()
         print(introduction(plan, domain_id), file=sys.stderr, flush=True)
 
     def flying(self, report: Report) -> None:
-        """Print a line if the last one is old."""
+        """Print a line if enough time has passed since the last one."""
         if time.monotonic() - self._last < _LINE_PERIOD or report.step < 0:
             return
         self._last = time.monotonic()
@@ -109,21 +109,21 @@ class Bar(Display):
                 table_column=Column(no_wrap=True),
             ),
             console=console,
-            auto_refresh=False,  # no thread: the launcher draws when it has something new
+            auto_refresh=False,  # no thread: the launcher draws on updates
             transient=True,
         )
         self._task = self._bar.add_task("starting", total=None, status="")
         self._period = 0.0
 
     def waiting(self, plan: LaunchPlan, domain_id: int) -> None:
-        """Say what was started and where, and begin the bar."""
+        """Print what was started and where, and start the bar."""
         self._bar.console.print(introduction(plan, domain_id), highlight=False)
         self._period = plan.scenario.period
         self._bar.update(self._task, total=plan.scenario.n_steps)
         self._bar.start()
 
     def starting(self, stages: Mapping[str, str]) -> None:
-        """Show how far the nodes have come."""
+        """Show the state of the nodes during start-up."""
         status = ", ".join(f"{name} {stage}" for name, stage in stages.items())
         if len(status) > self._room:
             counts = Counter(stages.values())
@@ -131,7 +131,7 @@ class Bar(Display):
         self._bar.update(self._task, status=status, refresh=True)
 
     def flying(self, report: Report) -> None:
-        """Show where the flight is."""
+        """Show the progress of the flight."""
         self._bar.update(
             self._task,
             description="flying",
@@ -154,7 +154,7 @@ class Bar(Display):
 
 
 def choose(*, quiet: bool, warnings_only: bool = False) -> Display:
-    """Return the display that suits the terminal, or its absence."""
+    """Return the display that suits the terminal or pipe."""
     if quiet:
         return Silence()
     if warnings_only:
@@ -163,7 +163,7 @@ def choose(*, quiet: bool, warnings_only: bool = False) -> Display:
 
 
 def introduction(plan: LaunchPlan, domain_id: int) -> str:
-    """Say what flies and how to look at it."""
+    """Return a line that names the scenario, its processes, domain and folder."""
     how = "one process" if plan.composed else f"{len(plan.nodes)} processes"
     return (
         f"{plan.scenario.path}: {plan.scenario.n_steps} steps of {plan.scenario.period:g} s in "
@@ -172,10 +172,10 @@ def introduction(plan: LaunchPlan, domain_id: int) -> str:
 
 
 def describe(report: Report, period: float) -> list[str]:
-    """Put a report into words, those that matter most first."""
+    """Return the parts of a report as text, the most important first."""
     simulated = max(report.step, 0) * period
     speed = simulated / report.wall_elapsed if report.wall_elapsed > 0.0 else math.nan
-    # Plant and controller report in turn: quote the time that the error belongs to.
+    # Plant and controller report separately: show the time of the error.
     told = report.status_step * period if report.status_step >= 0 else simulated
     parts = [_value(math.degrees(report.attitude_error), "deg off", ".4g")]
     if report.missed_deadlines:
@@ -188,7 +188,7 @@ def describe(report: Report, period: float) -> list[str]:
 
 
 def fitting(parts: Sequence[str], room: int) -> str:
-    """Return the first of the parts, as many as fit into ``room`` characters."""
+    """Return as many of the first parts as fit into ``room`` characters."""
     text = ""
     for part in parts:
         longer = f"{text}, {part}" if text else part
