@@ -1,6 +1,6 @@
-"""Every way in which a bag can be wrong: one list, through which every command that reads one goes.
+"""Invalid bags: one list of cases for every command that reads a bag.
 
-Put a command through it so (``test/cli/test_bad_bags.py`` does)::
+Test a command with all of them as follows (see ``test/cli/test_bad_bags.py``)::
 
     @pytest.mark.parametrize("name", CASES)
     def test_refused(name, tmp_path, capsys):
@@ -35,7 +35,7 @@ class BadBag(NamedTuple):
 
 
 def refused_line(error: str, path: Path, case: BadBag) -> None:
-    """Check that a message is one line that names the path, what came, what is required."""
+    """Check that a message is one line with path, received value and requirement."""
     assert len(error.splitlines()) == 1, error
     assert str(path) in error
     received, required, rest = error.partition("; required ")
@@ -48,7 +48,7 @@ def refused_line(error: str, path: Path, case: BadBag) -> None:
 def check_refused(
     case: BadBag, folder: Path, capsys: pytest.CaptureFixture[str], *command: str
 ) -> None:
-    """Check that ``gnc COMMAND BAG`` ends with one line and exit code 2, and leaves nothing."""
+    """Check that ``gnc COMMAND BAG`` ends with one line and exit code 2, and leaves no files."""
     path = case.make(folder)
     before = sorted(folder.rglob("*"))
     with pytest.raises(SystemExit) as ended:
@@ -56,7 +56,7 @@ def check_refused(
     captured = capsys.readouterr()
     assert (ended.value.code, captured.out) == (2, ""), captured.err
     assert "Traceback" not in captured.err
-    # a slow machine may tell of its progress before
+    # a slow machine may report progress first
     (error,) = [line for line in captured.err.splitlines() if line.startswith("error: ")]
     refused_line(error.removeprefix("error: "), path, case)
     assert sorted(folder.rglob("*")) == before
@@ -67,13 +67,13 @@ def _bag(items: list[tuple[str, int, bytes]]) -> Callable[[Path], Path]:
 
 
 def _replaced(topic: str, step: int, data: bytes) -> Callable[[Path], Path]:
-    """Return a maker of the good bag with another message in the place of one."""
+    """Return a maker of the valid bag with one message replaced."""
     assert (topic, step) in [item[:2] for item in ITEMS]
     return _bag([(t, k, data if (t, k) == (topic, step) else old) for t, k, old in ITEMS])
 
 
 def _edited(topic: str, at: int, **values: object) -> Callable[[Path], Path]:
-    """Return a maker of the good bag with fields of one message changed."""
+    """Return a maker of the valid bag with fields of one message changed."""
     name = f"spacecraft_gnc_msgs/msg/{TOPICS[topic]}"
     (data,) = (item[2] for item in ITEMS if item[:2] == (topic, at))
     message = CODEC.store.deserialize_cdr(data, name)
@@ -121,7 +121,7 @@ def _chatter(topic: str) -> Callable[[Path], Path]:
 
 
 def _version(text: str, data: bytes, type_hash: str = "") -> Callable[[Path], Path]:
-    """Return a maker of a bag whose states have another definition."""
+    """Return a maker of a bag whose states have another message definition."""
 
     def make(folder: Path) -> Path:
         with BagWriter(folder / "bag") as bag:
@@ -149,7 +149,7 @@ def _killed(folder: Path) -> Path:
 
 
 def _damaged(folder: Path) -> Path:
-    """Flip a bit of a message, past every head that a reader looks at first."""
+    """Flip a bit of a message, behind all headers that a reader checks first."""
     bag = record(folder / "bag", ITEMS, compression="none")
     data = bytearray((bag / "bag_0.mcap").read_bytes())
     place = data.index(np.ascontiguousarray(FLIGHT.attitude[5]).tobytes())

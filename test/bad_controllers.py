@@ -1,4 +1,4 @@
-"""Ways to spoil the controller of the good scenario, and to ask for a flight that cannot be.
+"""Invalid controller sections and infeasible flights, as changes of the valid scenario.
 
 `bad_scenarios` has the scenario, and all cases together.
 """
@@ -24,7 +24,7 @@ def beside_star(
     body_axis: list[float] | None = None,
     blamed: str = "moon",
 ) -> tuple[str, str, str]:
-    """Return what to replace by what to add the zone ``moon`` to ``star``, and the key at fault."""
+    """Return the replacement that adds the zone ``moon`` to ``star``, and the key at fault."""
     zone = (
         f"{{kind: {kind}, body_axis: {body_axis or [1.0, 0.0, 0.0]}, "
         f"inertial_axis: {inertial_axis}, half_angle_deg: {half_angle_deg}}}"

@@ -1,4 +1,4 @@
-"""A good scenario with a governor, and every way to ask it for what it cannot do."""
+"""A valid scenario with a governor, and changes that make it invalid."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _HALF_ANGLE = "nmpc_controller.zones.earth.half_angle_deg"
 
 
 def _exclusions(**zones: tuple[list[float], float]) -> tuple[str, str]:
-    """Return what to replace by what to add exclusion zones of the body z axis."""
+    """Return the replacement that adds exclusion zones of the body z axis."""
     new = f"zone_names: [earth, {', '.join(zones)}]\n    zones:\n"
     for name, (inertial_axis, half_angle_deg) in zones.items():
         new += f"      {name}: {{kind: exclusion, body_axis: [0.0, 0.0, 1.0], "

@@ -1,4 +1,4 @@
-"""A good scenario, and every way a user can spoil it, with what has to be said."""
+"""A valid scenario, and invalid variants of it with the expected error messages."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ sys.meta_path.insert(0, Blocker())
 
 
 def run_without(blocked: tuple[str, ...], code: str) -> subprocess.CompletedProcess[str]:
-    """Run code in a process of its own in which some libraries cannot be imported."""
+    """Run code in a separate process in which some libraries cannot be imported."""
     return subprocess.run(
         [sys.executable, "-c", BLOCKED_RUN.format(blocked=blocked) + code],
         cwd=ROOT,

@@ -1,6 +1,6 @@
-"""A headless Chromium for the tests of pages: a fixture, and what a test asks of a page.
+"""Headless Chromium for the tests of pages: fixtures and helper functions.
 
-The fixture is known to every test through conftest.py. Without Chromium a test that uses it is
+conftest.py provides the fixtures to every test. Without Chromium a test that uses one is
 skipped with the reason; with the environment variable GNC_REQUIRE_BROWSER=1, as in CI, it fails.
 """
 
@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 REQUIRE = "GNC_REQUIRE_BROWSER"
-PATIENCE = 60.0  # [s] until a page must have done what is waited for; never slept through
+PATIENCE = 60.0  # [s] longest wait for a condition of a page; polled, never slept through
 WINDOW = (1280, 900)  # [px]
 _CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 _OWN_SCHEMES = ("data:", "blob:", "chrome", "devtools:")
@@ -40,21 +40,21 @@ _FLAGS = (
 
 @pytest.fixture
 def browser(tmp_path: Path) -> Iterator[Any]:
-    """Yield a selenium driver of a fresh headless Chromium, whose console is recorded."""
+    """Yield a selenium driver of a new headless Chromium with a recorded console."""
     with chromium(tmp_path) as window:
         yield window
 
 
 @pytest.fixture(scope="module")
 def module_browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Yield one for all tests of a module: to start one takes longer than most of them."""
+    """Yield one for all tests of a module: its start takes longer than most of them."""
     with chromium(tmp_path_factory.mktemp("browser")) as window:
         yield window
 
 
 @contextmanager
 def chromium(folder: Path) -> Iterator[Any]:
-    """Start a headless Chromium whose profile lies in ``folder``, and end it."""
+    """Start a headless Chromium with its profile in ``folder``, and stop it."""
     program, driver = _programs()
     from selenium import webdriver
 
@@ -108,7 +108,7 @@ def console_errors(browser: Any) -> list[str]:
 
 
 def requested_urls(browser: Any) -> list[str]:
-    """Return the addresses that pages asked for since the last call, not the browser's own."""
+    """Return the addresses requested by pages since the last call, without the browser's own."""
     events = (json.loads(item["message"])["message"] for item in browser.get_log("performance"))
     urls = (
         event["params"]["request"]["url"]

@@ -1,4 +1,4 @@
-"""The numbers of Case I of Gupta et al. 2015, for tests whose figures rest on them."""
+"""Parameters of Case I of Gupta et al. 2015, for tests whose reference values use them."""
 
 from __future__ import annotations
 
@@ -23,6 +23,6 @@ CONTROLLER: Mapping[str, Any] = {
 
 
 def controller(**changes: Any) -> dict[str, Any]:
-    """Return the section of the controller, without what the method of ``changes`` ignores."""
+    """Return the controller section without parameters ignored by the method of ``changes``."""
     unread = set(unread_by(RIGID_BODY, changes.get("method", "shooting"), CONTROLLER))
     return {name: v for name, v in CONTROLLER.items() if name not in unread} | changes

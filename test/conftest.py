@@ -6,18 +6,18 @@ import pytest
 from browser import browser, module_browser  # noqa: F401 - fixtures
 from hypothesis import settings
 
-# Timings are no property of the code (first calls compile), and CI must not depend on a seed.
+# Timings do not depend on the code alone (first calls compile), and CI must not depend on a seed.
 # `pytest --hypothesis-profile=explore` draws new samples.
 settings.register_profile("fixed", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=500)
 settings.load_profile("fixed")
 
 
-@pytest.hookimpl(tryfirst=True)  # before `-m` selects by the marker that is added here
+@pytest.hookimpl(tryfirst=True)  # before `-m` selects by the marker added here
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Give workers whole files, and one of them every graph: two at a time would share two cores.
+    """Give each worker whole files, and one worker all graphs, because two would share two cores.
 
-    The graphs come first, for they take longest. The live pages go with them: both take free ports.
+    Graphs run first because they take longest. Live pages run with them: both take free ports.
     """
     for item in items:
         if item.path.parent.name == "live":

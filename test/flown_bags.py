@@ -1,4 +1,4 @@
-"""Bags of real flights, made without ROS: the cores fly, rosbags serializes, our writer records."""
+"""Bags of simulated flights without ROS: cores fly, rosbags serializes, our writer records."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ TERMINAL_SET: dict[str, dict[str, Any]] = {
 
 
 def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return those sections with some values changed, by the name of the section."""
+    """Return these sections with some values changed, by section name."""
     merged = copy.deepcopy(SECTIONS)
     for name, values in changes.items():
         merged.setdefault(name, {}).update(values)
@@ -67,12 +67,12 @@ def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def nested(flat: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Return sections as a file has them."""
+    """Return sections as in a scenario file."""
     return {name: unflatten(flatten(values)) for name, values in flat.items()}
 
 
 def tell(bag: BagWriter, flat: Mapping[str, Mapping[str, Any]]) -> None:
-    """Attach sections and the defaults that they take."""
+    """Attach sections and their defaults."""
     bag.attach("scenario.yaml", "application/yaml", sections_to_yaml(nested(flat)).encode())
     taken = from_sections(flat).stated_defaults()
     bag.attach("defaults.yaml", "application/yaml", taken.encode())
@@ -92,12 +92,12 @@ def fly(
 ) -> Path:
     """Fly a scenario and record it as the nodes would; return the bag.
 
-    Solves of the steps ``failing`` are said to have ended in a ``failure``, which they did not, and
-    the ladder flies; a ``blind`` controller looks for no standstill, an ``idle`` one calls plans
-    without any torque converged; a scenario ``claimed`` is recorded in place of the flown one.
+    Solves of the steps ``failing`` falsely report a ``failure``, and the fallback ladder is
+    applied; a ``blind`` controller does not search for standstills, an ``idle`` one reports plans
+    without any torque as converged; the scenario ``claimed`` is recorded instead of the flown one.
 
-    From the steps of ``targets`` on another attitude is asked for. At the steps ``late`` of a free
-    run no command comes in time, and before the steps ``anew`` the governor is started anew.
+    At the steps of ``targets`` the target changes. At the steps ``late`` of a free run no command
+    arrives in time, and before the steps ``anew`` the governor is restarted.
     """
     scenario = from_sections(flown)
     with BagWriter(folder / "bag") as bag:
@@ -142,7 +142,7 @@ def fly(
 
 
 class _Failing:
-    """A solver that is said to fail at some steps."""
+    """A solver that falsely reports a failure at some steps."""
 
     def __init__(self, solver: Any, failing: Collection[int], failure: Status) -> None:
         self._solver, self._failing, self._failure = solver, failing, failure
@@ -155,7 +155,7 @@ class _Failing:
 
 
 class _Idle:
-    """A solver whose plans do nothing, each with the certificate that such a plan has."""
+    """A solver whose plans have zero torque, with the matching certificates."""
 
     def __init__(self, solver: Any) -> None:
         self.ocp = solver.ocp
@@ -172,7 +172,7 @@ class _Idle:
 
 
 class _Recorder:
-    """Writes what the nodes publish of a step."""
+    """Writes the messages that the nodes publish for a step."""
 
     def __init__(self, bag: BagWriter, period: float) -> None:
         self._bag = bag
@@ -281,9 +281,9 @@ def rewrite(
     messages: list[tuple[str, int, bytes]],
     lost: Mapping[str, int] | None = None,
 ) -> Path:
-    """Write the bag again with other messages: every checksum in it is right.
+    """Rewrite the bag with other messages and valid checksums.
 
-    Of the topics ``lost`` so many messages are said to be missing.
+    ``lost`` gives the number of messages reported missing per topic.
     """
     (file,) = bag.glob("*.mcap")
     with file.open("rb") as stream, BagWriter(folder) as writer:
@@ -300,14 +300,14 @@ def rewrite(
 
 
 def flipped(data, bit):
-    """Return the bytes with one bit, counted from the first byte on, changed."""
+    """Return the bytes with one bit changed, counted from the first byte."""
     changed = bytearray(data)
     changed[bit // 8] ^= 1 << bit % 8
     return bytes(changed)
 
 
 def edited(name, **changes):
-    """Return a change of a message: fields with something added, or replaced by a function."""
+    """Return a change of a message: fields with a value added, or replaced by a function."""
     full = f"spacecraft_gnc_msgs/msg/{name}"
 
     def change(data):

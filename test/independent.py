@@ -1,6 +1,6 @@
-"""Gupta's problem written a second time, plainly, in numpy that also takes complex numbers.
+"""Independent implementation of Gupta's problem in plain numpy, also for complex numbers.
 
-Nothing here is shared with the package: F comes from Newton on the printed matrix equation, the
+It shares no code with the package: F comes from Newton on the printed matrix equation, the
 costates from (34)-(38) as printed, the cost from (27)-(30) with Frobenius norms.
 """
 

@@ -1,4 +1,4 @@
-"""The loop of Kalabic et al. 2014, section V-A, built by hand."""
+"""Loop of Kalabic et al. 2014, section V-A, assembled from its parts."""
 
 from __future__ import annotations
 

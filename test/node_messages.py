@@ -1,4 +1,4 @@
-"""Serialized messages of a rigid spacecraft, and rclpy's ends for its signals."""
+"""Serialized messages of a rigid spacecraft, and the rclpy arguments of its signals."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def torque_step(data) -> int:
 
 
 def ends(signal: Signal) -> tuple[Any, str, Any]:
-    """Return message class, name and profile, as rclpy takes them."""
+    """Return message class, name and profile as rclpy arguments."""
     from spacecraft_gnc.ros.endpoints import message_type
     from spacecraft_gnc.ros.qos import ros_qos
 

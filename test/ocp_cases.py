@@ -1,4 +1,4 @@
-"""Problems that the tests of the solvers draw, also for the plain implementation."""
+"""Random problems for the solver tests, also for the independent implementation."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from spacecraft_gnc.types import Reference
 
 
 def independent(ocp, reference=None):
-    """The same problem for the plain implementation."""
+    """The same problem for the independent implementation."""
     reference = as_reference(reference)
     w = ocp.weights
     zones = [
@@ -50,7 +50,7 @@ def shoot(ocp, attitude, momentum, reference, multipliers):
     horizon[3][0] = multipliers
     T, E = np.empty((6, 12)), np.empty((6, 6))
     status, E1, E2 = kernels.propagate_horizon(*constants, *horizon)
-    assume(status != Status.UNSOLVABLE_STEP)  # such multipliers turn the body too far in a step
+    assume(status != Status.UNSOLVABLE_STEP)  # such multipliers rotate the body too far in a step
     assert status == Status.CONVERGED
     kernels.shooting_jacobian(*constants, *horizon, T, E, False)
     return np.array([*E1, *E2]), E
@@ -58,7 +58,7 @@ def shoot(ocp, attitude, momentum, reference, multipliers):
 
 @st.composite
 def references(draw):
-    """An attitude at rest, or one that moves, with a torque that may have nothing to do with it."""
+    """An attitude at rest or in motion, with a torque that may be unrelated to the motion."""
     attitude = draw(rotations())
     if draw(st.booleans()):
         return attitude
@@ -67,7 +67,7 @@ def references(draw):
 
 @st.composite
 def problems(draw, penalties=(10.0, 1e4)):
-    """A problem with full matrices, a zone that is often active and a limit that often binds."""
+    """A problem with full matrices, and a zone and a torque limit that are often active."""
     axis = draw(rotations())[:, 0]
     zone = PointingZone(
         draw(st.sampled_from(["exclusion", "inclusion"])), draw(rotations())[:, 0], axis,
@@ -94,7 +94,7 @@ def random_rotation(rng):
 
 
 def random_problem(rng, largest_horizon=50, penalties=(4.0, 10.0)):
-    """A problem with full matrices, up to two zones, mostly a limit; attitude and momentum."""
+    """A problem with full matrices, up to two zones, usually a limit; attitude and momentum."""
     a, b, c = rng.uniform(0.2, 1.0, 3)
     axes = random_rotation(rng)
     inertia = axes @ np.diag([b + c, a + c, a + b]) @ axes.T

@@ -1,4 +1,4 @@
-"""Forms of a ROS 2 parameter file: what may name a node, and in which order."""
+"""Forms of a ROS 2 parameter file: section names that match a node, and their order."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 def values(*sections: str) -> str:
-    """Return a file in which each section gives ``plugin.x``, known to all nodes, another value."""
+    """Return a file whose sections set ``plugin.x``, known to all nodes, to different values."""
     lines = [
         f"{name}: {{ros__parameters: {{plugin: {{x: {number}}}}}}}"
         for number, name in enumerate(sections)
@@ -16,7 +16,7 @@ def values(*sections: str) -> str:
 
 
 def nested(*names: str) -> str:
-    """Return a file of one section, whose namespace stands above it."""
+    """Return a file of one section nested under its namespace."""
     return (
         "".join(f"{name}: {{" for name in names)
         + "ros__parameters: {plugin.x: 1}"

@@ -1,4 +1,4 @@
-"""A scenario in other units of mass, time and cost, and what its flight has to be then."""
+"""A scenario in other units of mass, time and cost, and the expected flight."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from spacecraft_gnc.scenario.checks_reads import unread_by
 
 
 def factors(scenario: Scenario, mass: float, time: float, cost: float) -> dict[str, float]:
-    """What each parameter that has a unit is multiplied by."""
+    """Factor of each parameter that has a unit."""
     torque, momentum = mass / time**2, mass / time
     # (28) multiplies the stage cost by h; Kalabic's (24) does not.
     stage = cost if scenario.controller.method == "terminal_set" else cost / time
@@ -46,7 +46,7 @@ def rescaled(
     steps: int,
     changes: dict[str, object] | None = None,
 ) -> Scenario:
-    """The first ``steps`` of the scenario in ``path`` in other units, defaults included."""
+    """The first ``steps`` of the scenario in ``path`` in other units, including defaults."""
     plain = load(path, changes or {})
     short = (steps + 0.5) * plain.period
     own = {"plant.duration": min(plain.plant.duration, short)}

@@ -21,7 +21,7 @@ COMPONENTS = st.floats(-1.0, 1.0)
 
 @st.composite
 def unit_vectors(draw):
-    """A direction, uniform enough, never degenerate."""
+    """A direction, approximately uniform, never degenerate."""
     seed = draw(st.integers(0, 2**32 - 1))
     vector = np.random.default_rng(seed).normal(size=3)
     return vector / np.linalg.norm(vector)

@@ -1,4 +1,4 @@
-"""Spacecraft with wheels shared by the tests."""
+"""Spacecraft with wheels, shared by the tests."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def afrl(axes, time_step=1.0):
 
 
 def start(gyrostat, share=1.0):
-    """A tumbling start, with a share of `SPEEDS`."""
+    """A tumbling start, with a fraction of `SPEEDS`."""
     return gyrostat.state_from_rate(ATTITUDE, RATE, share * SPEEDS[: gyrostat.n_wheels])
 
 
