@@ -15,6 +15,7 @@ import math, sys
 import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels
+from spacecraft_gnc.vehicles.rigid_body.audit.problem import Problem
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors import tail
@@ -104,7 +105,7 @@ found |= {"terminal_torques": o.torques, "terminal_cost": o.cost}
 found |= {"terminal_reached": o.terminal_level, "terminal_level": kalabic.level.value}
 def certified(problem, o, has_set):
     plan = (o.reference, o.attitudes, o.momenta, o.torques, o.costates[0], o.feedforward)
-    certifier = Certifier(problem, problem.data, problem.zone_rows, has_set)
+    certifier = Certifier(Problem.of(problem), (), has_set)
     c = certifier.certify(Plans(*(np.ascontiguousarray(x[None]) for x in plan)))
     numbers = [c.cost[0], c.residual[0], c.curvature[0], c.multiplier[0], c.largest[0]]
     return [*numbers, *c.costates[0]]

@@ -11,16 +11,17 @@ from independent import Problem
 from spacecraft_gnc import lie
 from spacecraft_gnc.ocp import AttitudeOcp, PointingZone, ShootingSolver
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
+from spacecraft_gnc.vehicles.rigid_body.audit.problem import Problem as Numbers
 
 TINY = 1e-30  # imaginary step: a complex derivative has no cancellation
 STAR = PointingZone("exclusion", [1.0, 0.0, 0.0], [0.9276, 0.3736, 0.0], 0.7, 0.5)
 OCP = AttitudeOcp(
     np.diag([1.0, 0.8, 0.8]), 0.4, 4, max_torque=0.01, torque_penalty=1.0e4, zones=(STAR,)
 )
-CERTIFIER = Certifier(OCP, OCP.data, OCP.zone_rows, has_set=False)
+CERTIFIER = Certifier(Numbers.of(OCP), ())
 
 
-def independent(ocp, reference):
+def independent(ocp, reference, omega, tau):
     """Return the same problem, written a second time."""
     w, (zone,) = ocp.weights, ocp.zones
     star = (zone.body_axis, zone.inertial_axis, np.cos(zone.half_angle), zone.penalty)
@@ -29,30 +30,38 @@ def independent(ocp, reference):
     return Problem(
         ocp.body.inertia, ocp.time_step, ocp.horizon, w.stage_attitude, w.stage_momentum,
         w.stage_torque, w.terminal_attitude, w.terminal_momentum, ocp.max_torque**2,
-        ocp.torque_penalty, [star], reference,
+        ocp.torque_penalty, [star], reference, omega, tau,
     )  # fmt: skip
 
 
 NOTHING = np.zeros((1, 6)), np.zeros((1, 2, 3))  # no costates claimed, a reference at rest
 
 
-def plan_of(attitude, momentum, torques, reference):
+def plan_of(attitude, momentum, torques, reference, feedforward):
     attitudes, momenta = np.empty((1, 5, 3, 3)), np.empty((1, 5, 3))
     attitudes[0], momenta[0] = OCP.rollout(torques, attitude, momentum)
-    return Plans(reference[None], attitudes, momenta, torques[None].copy(), *NOTHING)
+    claimed = np.zeros((1, 6))
+    return Plans(
+        reference[None], attitudes, momenta, torques[None].copy(), claimed, feedforward[None]
+    )
 
 
 vectors = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
 
 
 @settings(max_examples=25)
-@given(turn=vectors, rate=vectors, target=vectors, seed=st.integers(0, 10_000))
-def test_cost_and_residual_are_those_of_the_second_problem(turn, rate, target, seed):
+@given(
+    turn=vectors, rate=vectors, target=vectors, seed=st.integers(0, 10_000),
+    feedforward=st.one_of(st.just(np.zeros((2, 3))), st.tuples(vectors, vectors).map(np.array)),
+)  # fmt: skip
+def test_cost_and_residual_are_those_of_the_second_problem(turn, rate, target, seed, feedforward):
+    """Of a reference that rests, and of one that moves."""
+    feedforward = feedforward * np.array([[0.05], [0.004]])  # [rad/s], [N m]
     ocp, reference = OCP, lie.exp(target)
     attitude, momentum = lie.exp(turn), 0.05 * rate
     torques = np.random.default_rng(seed).uniform(-0.005, 0.005, (4, 3))  # within the limit
-    found = CERTIFIER.certify(plan_of(attitude, momentum, torques, reference))
-    other = independent(ocp, reference)
+    found = CERTIFIER.certify(plan_of(attitude, momentum, torques, reference, feedforward))
+    other = independent(ocp, reference, *feedforward)
     cost = other.cost(attitude, momentum, torques)
     assert found.cost[0] == pytest.approx(cost, rel=1e-12)
     gradient = np.empty((4, 3))

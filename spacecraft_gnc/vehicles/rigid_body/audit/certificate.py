@@ -9,17 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.audit.ledger import Ledger
-from spacecraft_gnc.ocp._data_kernels import MU0
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.audit.plans import HARD, Certificates, Certifier, Plans
+from spacecraft_gnc.vehicles.rigid_body.audit.plans import (
+    HARD,
+    ROUNDING,
+    Certificates,
+    Certifier,
+    Plans,
+)
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
 
-ROUNDING: Final = 1e-13
-"""Relative: a few hundred roundings, of the sums over a horizon."""
 CURVATURE: Final = 1e-3
 """Relative: the published curvature is that of the last linearisation, a Newton step away, which is
 of the order of the square root of what the step left."""
@@ -130,7 +133,7 @@ class CertificateAudit:
             off = np.where(found.largest >= ocp.max_torque * (1.0 - CUT), np.maximum(off, 0.0), off)
         # along a torque on the limit what a stopped solve has left is no longer to be seen
         on_limit = (ocp.max_torque > 0.0) & (found.largest >= ocp.max_torque * (1.0 - CUT))
-        limit = share * found.made_of
+        limit = share * found.made_of + found.rounding
         if formulation in FORWARD_RUN:
             limit += AMPLIFIED * self._left(found)
         limit += np.where(on_limit, self._left(found), 0.0)
@@ -143,7 +146,7 @@ class CertificateAudit:
         if formulation == HARD:
             ledger.skip(name, "slsqp keeps the limit as a constraint of its own")
             return
-        penalty = 2.0 * self._certifier.data[MU0] * ocp.max_torque**2
+        penalty = 2.0 * self._certifier.problem.penalty * ocp.max_torque**2
         limit = 10.0 * ROUNDING * ocp.max_torque + self._left(found) / penalty
         if formulation == NEIGHBORING:
             limit += self._cut(found)
@@ -183,7 +186,7 @@ class CertificateAudit:
         if ocp.max_torque == 0.0:
             return np.zeros(len(found.made_of))
         pushed = float(np.linalg.norm(ocp.torque_map, 2)) * found.made_of
-        excess = pushed / (4.0 * self._certifier.data[MU0] * ocp.max_torque**2)
+        excess = pushed / (4.0 * self._certifier.problem.penalty * ocp.max_torque**2)
         return np.asarray(CUT * ocp.max_torque + excess)
 
     def _left(self, found: Certificates) -> Array:
@@ -206,7 +209,7 @@ class CertificateAudit:
         claimed = rows["first_costate"]
         size = max(float(np.abs(claimed).max()), 1e-300)
         off = found.costates - claimed
-        limits = np.full(len(steps), share * size)
+        limits = np.maximum(share * size, found.rounding)
         if formulation in FORWARD_RUN:
             limits += AMPLIFIED * self._left(found)
         bound("first costate", steps, "solver_status.first_costate", off, limits[:, None])

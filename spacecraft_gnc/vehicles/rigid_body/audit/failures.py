@@ -17,8 +17,8 @@ from spacecraft_gnc.ocp.solution import Solution
 from spacecraft_gnc.ocp.terminal_problem import TerminalSetOcp
 from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.status import NO_SOLVE, Status
-from spacecraft_gnc.vehicles.rigid_body.audit.certificate import CORRECTED, ROUNDING
-from spacecraft_gnc.vehicles.rigid_body.audit.plans import HARD, TERMINAL, Certifier, Plans
+from spacecraft_gnc.vehicles.rigid_body.audit.certificate import CORRECTED
+from spacecraft_gnc.vehicles.rigid_body.audit.plans import HARD, ROUNDING, Certifier, Plans
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import Sample, restored, sample
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, STATE, TORQUE
@@ -201,7 +201,7 @@ class FailureAudit:
         if not adjacent or before.plan is None:
             self._cold_only += 1
             return controller, None
-        if self._evidence.scenario.controller.method == TERMINAL:
+        if self._certifier.problem.end is not None:
             # its solver also starts from the multiplier of the terminal set found last
             last = sample(self._evidence, before.step)
             controller.solve(last.state, last.reference, before.plan.costates)
@@ -225,7 +225,7 @@ class FailureAudit:
         return f"{found}; {self._certified(again)}"
 
     def _certified(self, again: Solution) -> str:
-        """Certify a plan by the audit's own kernels."""
+        """Certify a plan by the audit's own formulas."""
         plan = (
             again.reference, again.attitudes, again.momenta, again.torques, again.costates[0],
             again.feedforward,

@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.ocp import AttitudeOcp
-from spacecraft_gnc.ocp._data_kernels import ALPHA, MU0
-from spacecraft_gnc.ocp._stage_kernels import ZONE_SIZE, work_size
-from spacecraft_gnc.ocp._sweep_kernels import FACTOR_SIZE
-from spacecraft_gnc.ocp._track_kernels import track_size
-from spacecraft_gnc.types import Array, Reference, read_only
-from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels as kernels
+from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
+from spacecraft_gnc.ocp.shooting import AUTOMATIC
+from spacecraft_gnc.types import Array, Reference
+from spacecraft_gnc.vehicles.rigid_body.audit.conditions import (
+    cost_of,
+    limit_of,
+    made_of,
+    stages_of,
+    sweep,
+    track_of,
+)
+from spacecraft_gnc.vehicles.rigid_body.audit.problem import Problem
+from spacecraft_gnc.vehicles.rigid_body.audit.second_order import (
+    correction,
+    factors_of,
+    smallest_pivot,
+)
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
-PENALISED: Final = ("shooting", "neighboring_extremal", "fsolve")
 HARD: Final = "slsqp"
-TERMINAL: Final = "terminal_set"
+"""Formulation with the limits as constraints of its own."""
+ROUNDING: Final = 1e-13
+"""Relative: a few hundred roundings, of the sums over a horizon."""
+COSINE: Final = 2.0**-50
+"""Rounding of the cosine between an axis and that of a zone."""
 TOUCHING: Final = 1.0 - 1e-6  # share of the limit from which slsqp's counts as active
 
 
@@ -50,7 +64,7 @@ class Plans(NamedTuple):
 class Certificates(NamedTuple):
     """What plans (m) are worth, worked out from them."""
 
-    exists: Array
+    exists: NDArray[np.bool_]
     """Whether every step of the integrator exists."""
     attitude_defect: Array
     """Largest difference of a planned rotation from the integrator's [-]."""
@@ -71,6 +85,8 @@ class Certificates(NamedTuple):
     """Multiplier nu of the terminal set; 0 without one."""
     made_of: Array
     """Scale of lambda2: the sum of the sizes of what adds up to it."""
+    rounding: Array
+    """What rounding may make of a lambda2."""
     correction: Array
     """Largest change of a lambda2 by one Newton step from the plan, as a share of the largest."""
     costates: Array
@@ -81,94 +97,136 @@ class Certificates(NamedTuple):
 class Certifier:
     """The problem of a scenario, ready to certify plans."""
 
-    ocp: AttitudeOcp
-    data: Array
-    """Its numbers, as the kernels take them; slsqp's limit is a hard one."""
-    zone_rows: Array
-    has_set: bool
+    problem: Problem
+    formulations: tuple[str, ...]
+    """How the method solves its conditions, as its plans say."""
+    has_set: bool = False
     """Whether a multiplier of a terminal set is to be found."""
     has_law: bool = False
     """Whether a step without a solve is answered by a law, not by the failure ladder."""
+    watches: bool = True
+    """Whether the method looks for standstills."""
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> Certifier | None:
         """Return the certifier of a scenario; None where its method makes no plans of ours."""
-        method = scenario.controller.method
-        if method in PENALISED:
-            ocp = problem_of(scenario)
-            along_a_run = not np.isnan(scenario.controller.nominal_rotation_vector).any()
-            has_law = method == "neighboring_extremal" and along_a_run
-            return cls(ocp, ocp.data, ocp.zone_rows, False, has_law)
-        if method == HARD:
-            return cls._hard(problem_of(scenario))
-        if method == TERMINAL:
-            from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set.controller import (
-                TerminalSetController,
-            )
+        named = scenario.method.certifier
+        found: Certifier | None = None if named is None else named.load()(scenario)
+        return found
 
-            ocp = TerminalSetController.problem(scenario)
-            return cls(ocp, ocp.data, ocp.zone_rows, ocp.level is not None)
-        return None
-
-    @classmethod
-    def _hard(cls, ocp: AttitudeOcp) -> Certifier:
-        """Limits as constraints: that of the torque is hard, the zones are no part of the cost."""
-        data = ocp.data.copy()
-        data[ALPHA] = (ocp.max_torque * TOUCHING) ** 2
-        data[MU0] = math.inf
-        return cls(ocp, read_only(data), read_only(np.zeros((0, ZONE_SIZE))), False)
-
-    def controls(self, torques: Array) -> Array:
-        """Return the controls (m, N, n) that make torques (m, N, 3), along the weight's axes."""
-        ocp = self.ocp
-        if np.array_equal(ocp.torque_map, np.eye(3)):
-            return np.ascontiguousarray(torques @ ocp.control_axes)
-        return np.ascontiguousarray(torques @ ocp.allocation.T @ ocp.control_axes)
+    @property
+    def ocp(self) -> AttitudeOcp:
+        """The problem as the method has it."""
+        return self.problem.ocp
 
     def warm_up(self) -> None:
         """Compile or load the kernel."""
-        n = self.ocp.horizon
-        still = np.tile(np.eye(3), (1, n + 1, 1, 1)), np.zeros((1, n + 1, 3)), np.zeros((1, n, 3))
-        self.certify(Plans(np.eye(3)[None], *still, np.zeros((1, 6)), np.zeros((1, 2, 3))))
+        self.problem.turns(np.zeros((1, 3)))
 
     def multipliers(self, plan: Plans) -> tuple[Array, float]:
         """Return the costates (N, 6) of one plan, and the multiplier of the terminal set."""
         found, costates = self._certify(plan)
-        return costates, float(found.multiplier[0])
+        return costates[0], float(found.multiplier[0])
 
     def certify(self, plans: Plans) -> Certificates:
         """Work out what plans are worth."""
         return self._certify(plans)[0]
 
     def _certify(self, plans: Plans) -> tuple[Certificates, Array]:
-        """Return the certificates, and the costates (N, 6) of the last plan."""
-        ocp, swept = self.ocp, np.empty((2, self.ocp.horizon, 6))
-        m, n = len(plans.torques), ocp.horizon
-        numbers, costates = np.empty((m, kernels.NUMBERS)), plans.costates.copy()
-        references = np.concatenate([plans.references, plans.feedforward], axis=1)
-        track = np.empty(track_size(n, ocp.n_controls))
-        back = np.ascontiguousarray(np.linalg.pinv(ocp.torque_map @ ocp.control_axes))
-        kernels.certify(
-            ocp.body.packed, self.data, self.zone_rows, references, plans.attitudes,
-            plans.momenta, plans.torques, self.controls(plans.torques), costates, back,
-            self.has_set, swept, np.zeros((n, work_size(ocp.n_controls))),
-            np.zeros((n, FACTOR_SIZE)), np.empty((2, n, 3)), track,
-            np.empty(ocp.data.shape), numbers,
-        )  # fmt: skip
-        at = numbers.T
+        """Return the certificates, and the costates (m, N, 6)."""
+        problem, R, Pi = self.problem, plans.attitudes, plans.momenta
+        u = plans.torques
+        if not np.array_equal(self.ocp.torque_map, np.eye(3)):
+            u = u @ self.ocp.allocation.T
+        F, exists = problem.turns(Pi[:, :-1])
+        track = track_of(problem, plans.references, plans.feedforward)
+        s = stages_of(problem, R, Pi, u, track, F)
+        turned = np.abs(R[:, :-1] @ F - R[:, 1:]).max(axis=(1, 2, 3))
+        pushed = np.abs(s.p + self.ocp.time_step * plans.torques - Pi[:, 1:]).max(axis=2)
+        share = np.ones(len(u))
+        if self.has_set:  # nu from the first costate, which is linear in it
+            first = sweep(problem, s, share)[:, 0]
+            slope = sweep(problem, s, 2.0 * share)[:, 0] - first
+            square = np.sum(slope * slope, axis=1)
+            along = np.sum(slope * (plans.costates - first), axis=1)
+            share = 1.0 + np.divide(along, square, out=np.zeros(len(u)), where=square > 0.0)
+        lam = sweep(problem, s, share)
+        limit = limit_of(problem, s, lam)
+        factors = factors_of(problem, s, lam, limit.sigma, share)
+        costate = np.linalg.norm(lam[..., 3:], axis=2).max(axis=1)
+        terms, steep = made_of(problem, s, share)
+        size = np.maximum(terms, costate)
+        corrected = correction(problem, s, factors, limit.left)
+        exist = np.asarray(exists.all(axis=1) & track.exists)
         found = Certificates(
-            at[kernels.STATUS] == 0.0,
-            at[kernels.ATTITUDE_DEFECT],
-            at[kernels.MOMENTUM_DEFECT],
-            at[kernels.FIRST_DEFECT],
-            at[kernels.RESIDUAL],
-            at[kernels.RADIUS_DEFECT],
-            at[kernels.COST],
-            np.sqrt(at[kernels.LARGEST]),
-            at[kernels.CURVATURE],
-            at[kernels.MULTIPLIER],
-            np.maximum(at[kernels.MADE_OF], at[kernels.COSTATE]),
-            at[kernels.CORRECTION] / np.maximum(at[kernels.COSTATE], 1e-300),
-            costates,
+            exists=exist,
+            attitude_defect=turned,
+            momentum_defect=pushed[:, 1:].max(axis=1, initial=0.0),
+            first_defect=pushed[:, 0],
+            residual=np.linalg.norm(limit.left, axis=(1, 2)),
+            radius_defect=limit.radius_defect,
+            cost=cost_of(problem, s, limit.sigma),
+            largest=np.linalg.norm(u, axis=2).max(axis=1),
+            curvature=smallest_pivot(problem, factors),
+            multiplier=share - 1.0,
+            made_of=size,
+            rounding=ROUNDING * size + COSINE * steep,
+            correction=corrected / np.maximum(costate, 1e-300),
+            costates=lam[:, 0],
         )
-        return found, swept[0]
+        return _of_existing(found, plans.costates), lam
+
+
+def _of_existing(found: Certificates, claimed: Array) -> Certificates:
+    """Return certificates that say nothing of plans with a step that does not exist."""
+    if found.exists.all():
+        return found
+    kept = {
+        name: np.where(found.exists, values, 0.0)
+        for name, values in found._asdict().items()
+        if name not in ("exists", "costates")
+    }
+    costates = np.where(found.exists[:, None], found.costates, claimed)
+    return found._replace(**kept, costates=costates)
+
+
+# The certifiers of the methods, as each of them names its own.
+
+
+def of_penalties(scenario: Scenario) -> Certifier:
+    """Certify plans of Newton's method on the cost with penalties."""
+    return Certifier(Problem.of(problem_of(scenario)), (_formulation(scenario),))
+
+
+def of_corrections(scenario: Scenario) -> Certifier:
+    """Certify, likewise, those of neighboring extremals: on line, or of a law along a run."""
+    has_law = not bool(np.isnan(scenario.controller.nominal_rotation_vector).any())
+    formulations = (_formulation(scenario), *(() if has_law else (NEIGHBORING,)))
+    return Certifier(Problem.of(problem_of(scenario)), formulations, has_law=has_law)
+
+
+def of_equations(scenario: Scenario) -> Certifier:
+    """Certify plans of fsolve."""
+    return Certifier(Problem.of(problem_of(scenario)), (scenario.controller.method,))
+
+
+def of_constraints(scenario: Scenario) -> Certifier:
+    """Certify plans of slsqp: its limits are constraints, and zones no part of the cost."""
+    ocp = problem_of(scenario)
+    return Certifier(Problem.of(ocp, ocp.max_torque * TOUCHING), (HARD,))
+
+
+def of_terminal_set(scenario: Scenario) -> Certifier:
+    """Certify plans with a terminal set."""
+    from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set.controller import (
+        TerminalSetController,
+    )
+
+    ocp = TerminalSetController.problem(scenario)
+    has_set = ocp.level is not None
+    return Certifier(Problem.of(ocp), (AUTOMATIC,), has_set=has_set, watches=False)
+
+
+def _formulation(scenario: Scenario) -> str:
+    named = scenario.controller.formulation
+    return AUTOMATIC if named == "auto" else str(named)

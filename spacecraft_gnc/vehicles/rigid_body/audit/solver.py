@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
-from spacecraft_gnc.ocp.shooting import AUTOMATIC
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import REFERENCE
@@ -21,8 +20,6 @@ from spacecraft_gnc.vehicles.rigid_body.audit.certificate import CertificateAudi
 from spacecraft_gnc.vehicles.rigid_body.audit.corrections import CorrectionAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES, SOLVED, FailureAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import (
-    HARD,
-    TERMINAL,
     Certificates,
     Certifier,
     Plans,
@@ -31,24 +28,10 @@ from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LadderAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.standstills import STANDSTILLS, StandstillAudit
 from spacecraft_gnc.vehicles.rigid_body.signals import STATE, TORQUE
 
-if TYPE_CHECKING:
-    from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
-
 _UNSOLVED: Final = [source for source in Source if source.is_fallback] + [
     Source.NEIGHBORING_EXTREMAL
 ]
 """Where the torque of a step comes from whose solve did not."""
-
-
-def formulations_of(scenario: Scenario, certifier: Certifier) -> tuple[str, ...]:
-    """Return how the method of a scenario solves its conditions, as its plans say."""
-    method, formulation = scenario.controller.method, scenario.controller.formulation
-    if method in (HARD, "fsolve"):
-        return (method,)
-    if method == TERMINAL or formulation == "auto":
-        formulation = AUTOMATIC
-    corrects = method == "neighboring_extremal" and not certifier.has_law
-    return (formulation, NEIGHBORING) if corrects else (formulation,)
 
 
 class SolverAudit:
@@ -153,7 +136,7 @@ class SolverAudit:
 
     def _formulations(self, steps: NDArray[np.int64], claimed: NDArray[Any]) -> None:
         """Require a formulation of the method: it says what is asked of a plan."""
-        known = formulations_of(self._evidence.scenario, self._certifier)
+        known = self._certifier.formulations
         kept = np.isin(claimed.astype(str), known)
         name, where = "formulation of the method", "solver_status.formulation"
         self._ledger.require(name, " or ".join(known), steps, where, kept)

@@ -13,7 +13,7 @@ from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.status import Status
-from spacecraft_gnc.vehicles.rigid_body.audit.plans import TERMINAL, Certifier, Plans
+from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import TORQUE_FIELD, restored, sample
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import monitor_of
 from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import Finding
@@ -35,7 +35,7 @@ class StandstillAudit:
         self._evidence, self._certifier = evidence, certifier
         self._ledger, self._counts = ledger, counts
         self._monitor = None
-        if evidence.scenario.controller.method != TERMINAL:  # it looks for none
+        if certifier.watches:
             self._monitor = monitor_of(evidence.scenario, certifier.ocp)
         self._first: tuple[int, str] | None = None
 
@@ -58,7 +58,8 @@ class StandstillAudit:
             if told and self._first is None:
                 self._first = int(solved[i]), told
         if self._monitor is None and not said.any():
-            self._ledger.skip(STANDSTILLS, "method terminal_set looks for none")
+            method = self._evidence.scenario.controller.method
+            self._ledger.skip(STANDSTILLS, f"method {method} looks for none")
             return
         at = looked | said
         where = "solver_status.status"

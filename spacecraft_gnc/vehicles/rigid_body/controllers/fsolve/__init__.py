@@ -12,4 +12,5 @@ METHOD: Final = Method(
         "spacecraft_gnc.vehicles.rigid_body.controllers.solvers:FsolveController.from_scenario"
     ),
     parameters=PenalizedParameters,
+    certifier=Lazy("spacecraft_gnc.vehicles.rigid_body.audit.plans:of_equations"),
 )

@@ -61,4 +61,5 @@ METHOD: Final = Method(
     name="neighboring_extremal",
     build=Lazy(f"{__name__}.controller:from_scenario"),
     parameters=NeighboringParameters,
+    certifier=Lazy("spacecraft_gnc.vehicles.rigid_body.audit.plans:of_corrections"),
 )

@@ -13,4 +13,5 @@ METHOD: Final = Method(
     ),
     parameters=NewtonParameters,
     variants=("exact", "estimated_du", "estimated_u"),
+    certifier=Lazy("spacecraft_gnc.vehicles.rigid_body.audit.plans:of_penalties"),
 )

@@ -13,4 +13,5 @@ METHOD: Final = Method(
     ),
     parameters=PenalizedParameters,
     hard_limits=True,
+    certifier=Lazy("spacecraft_gnc.vehicles.rigid_body.audit.plans:of_constraints"),
 )

@@ -54,4 +54,5 @@ METHOD: Final = Method(
     build=Lazy(f"{__name__}.controller:TerminalSetController.from_scenario"),
     parameters=TerminalSetParameters,
     refuses_starts=True,
+    certifier=Lazy("spacecraft_gnc.vehicles.rigid_body.audit.plans:of_terminal_set"),
 )
