@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from spacecraft_gnc.parameters.parameter import LONGEST, Kind, NodeParameters, parameter
 
@@ -65,16 +65,20 @@ class PlantHost(NodeParameters):
     )
 
 
+def method_named(default: str) -> Any:
+    """Return the field ``method`` of a vehicle's section, with its own default."""
+    return parameter(Kind.STRING, default, "method that finds the command", plugins="controllers")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ControllerHost(NodeParameters):
     """Section ``nmpc_controller``: the method and its period.
 
-    A vehicle adds what its methods share, and the parameters of each.
+    A vehicle gives ``method`` its own default, and adds what its methods share and the parameters
+    of each.
     """
 
-    method: str = parameter(
-        Kind.STRING, "shooting", "method that finds the torque", plugins="controllers"
-    )
+    method: str = method_named("")
     variant: str = parameter(Kind.STRING, "exact", "variant of the method")
     time_step: float = parameter(
         Kind.DOUBLE,

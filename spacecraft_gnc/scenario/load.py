@@ -188,11 +188,8 @@ def _lay_over(given: Given, entries: Given) -> None:
 def _given_along_a_flight(scenario: Scenario) -> Given:
     """Return what was given, less what only a start and a target have to meet."""
     sections = {name: flatten(values) for name, values in scenario.sections.items()}
-    if scenario.governor.governor != "none":
-        target = scenario.governor.target_rotation_vector
-        sections["reference_governor"] = {"target_rotation_vector": target}
-        plant = sections.setdefault("plant", {})
-        plant |= {"initial_rotation_vector": target, "initial_momentum": None}
+    if scenario.vehicle.revision is not None:
+        scenario.vehicle.revision.load()(scenario, sections)
     sections.setdefault(_CONTROLLER, {})
     sections.setdefault("launcher", {})["cut_short"] = True  # no target has to be reached
     return {name: _entries(values, scenario.path) for name, values in sections.items()}

@@ -141,6 +141,9 @@ class Vehicle:
     (section, name, function without arguments), in the order of their dependence."""
     former_defaults: Lazy | None = None
     """Function of the values of a recorded scenario without stated defaults: those that it took."""
+    revision: Lazy | None = None
+    """Function of a scenario and of its given values, by section and dotted name: takes out of them
+    what another controller along the flight need not meet."""
     warmup: Lazy | None = None
     """Pair of functions: one yields short flights, by section, that compile the vehicle's kernels;
     one takes the first of these scenarios, and compiles what no flight needs."""

@@ -33,6 +33,7 @@ VEHICLE: Final = Vehicle(
     former_defaults=_lazy("parameters.former:former_defaults"),
     facts=_lazy("facts:facts"),
     outlook=_lazy("outlook:outlook"),
+    revision=_lazy("revision:without_start_and_target"),
     warmup=_lazy("warmup:WARMUP"),
     columns=_lazy("recorded:read_recorded"),
     audit=_lazy("audit.flight:AUDIT"),

@@ -13,7 +13,7 @@ from spacecraft_gnc.parameters.parameter import (
     named_groups,
     parameter,
 )
-from spacecraft_gnc.parameters.sections import ControllerHost
+from spacecraft_gnc.parameters.sections import ControllerHost, method_named
 from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
@@ -22,6 +22,7 @@ from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 class CommonParameters(ControllerHost):
     """What is known of body, limits and zones, whatever the method."""
 
+    method: str = method_named("shooting")
     inertia: Matrix3 = parameter(
         Kind.DOUBLE_ARRAY,
         [],
