@@ -1,1 +1,3 @@
 """ROS 2 nodes: thin hosts around the ROS-free cores."""
+
+import spacecraft_gnc.ros  # noqa: F401 - refuses a missing middleware before rclpy is imported

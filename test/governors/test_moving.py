@@ -65,7 +65,7 @@ def errors(controller, governor, n, substeps=1):
         found.append(math.degrees(lie.angle_between(state.attitude, reference.attitude)))
         command = controller.command(state, reference)
         sources.add(command.source)
-        state = State(k + 1, *body.step(*state[1:], command.torque, substeps))
+        state = State(k + 1, *body.step(*state[1:], command.control, substeps))
     return np.array(found), sources
 
 

@@ -64,7 +64,7 @@ def test_after_a_plan_the_ladder_corrects_it_for_a_reference_that_moved_on_as_pl
     following = State(1, *OCP.body.step(*STATE[1:], plan.torques[0]))
     command = ladder.command(following, turned(1), None)
     assert command.source is Source.NEIGHBORING_EXTREMAL
-    assert np.abs(command.torque - plan.torques[1]).max() < 1e-15
+    assert np.abs(command.control - plan.torques[1]).max() < 1e-15
     for other in (
         turned(0),
         turned(1)._replace(torque=2.0 * TAU),
@@ -77,7 +77,7 @@ def test_without_a_plan_the_ladder_tracks_by_feedback():
     command = FallbackLadder(OCP).command(STATE, turned(0), None)
     assert command.source is Source.FEEDBACK
     law = AttitudeFeedback.critically_damped(J, STEP, 0.02, STEP)
-    assert np.allclose(command.torque, law.torque(STATE, turned(0)), atol=1e-18)
+    assert np.allclose(command.control, law.torque(STATE, turned(0)), atol=1e-18)
 
 
 def test_a_terminal_set_controller_leaves_a_moving_reference_to_the_feedback():
@@ -106,5 +106,5 @@ def test_along_a_nominal_run_exact_solves_track_a_moving_reference():
     command = controller.command(STATE, turned(0))
     assert command.source is Source.OPTIMAL
     assert np.array_equal(
-        command.torque, ShootingSolver(OCP).solve(*STATE[1:], turned(0)).torques[0]
+        command.control, ShootingSolver(OCP).solve(*STATE[1:], turned(0)).torques[0]
     )
