@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from spacecraft_gnc.parameters.declare import PLUGIN_PREFIX, Declaration, Schema
+from spacecraft_gnc.parameters.formulas import Missing
 from spacecraft_gnc.parameters.parameter import Value, typed_section
 from spacecraft_gnc.parameters.problems import Problem, shown
 from spacecraft_gnc.parameters.values import Refusal, admissible
@@ -40,6 +41,26 @@ class Checked:
     def get(self, section: str, name: str) -> Value | None:
         """Return an admissible value; None where it was refused."""
         return self.values[section].get(name)
+
+    def number(self, section: str, name: str) -> float:
+        """Return a number for a formula, of which too large a quotient is infinite.
+
+        Raises
+        ------
+        Missing
+            If it was refused.
+        """
+        value = self.get(section, name)
+        if not isinstance(value, int | float):
+            raise Missing
+        return np.float64(value)
+
+    def numbers(self, section: str, name: str) -> list[float]:
+        """Return a list of numbers for a formula, likewise."""
+        value = self.get(section, name)
+        if not isinstance(value, list):
+            raise Missing
+        return value
 
     def effective(self, section: str, name: str) -> Value | None:
         """Return the value that counts: that of another parameter where this one is left open."""

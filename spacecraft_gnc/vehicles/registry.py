@@ -17,7 +17,7 @@ point of the same name.
 from __future__ import annotations
 
 import pkgutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from importlib import metadata
 from importlib.util import find_spec
@@ -60,8 +60,8 @@ def _descriptor(vehicle: str) -> str:
 
 def names(group: str, vehicle: Vehicle | None = None) -> tuple[str, ...]:
     """Return the names known in a group, those of other packages included."""
-    plugins = (entry.name for entry in metadata.entry_points(group=f"{_PACKAGE}.{group}"))
-    return tuple(dict.fromkeys([*own_names(group, vehicle), *sorted(plugins)]))
+    plugins = sorted(entry.name for entry in _entries(group))
+    return tuple(dict.fromkeys([*own_names(group, vehicle), *plugins]))
 
 
 def is_known(group: str, name: str, vehicle: Vehicle | None = None) -> bool:
@@ -236,8 +236,14 @@ class _Problems(NamedTuple):
 
 
 def _entry(group: str, name: str) -> metadata.EntryPoint | None:
-    entries = metadata.entry_points(group=f"{_PACKAGE}.{group}")
-    return next((entry for entry in entries if entry.name == name), None)
+    return next((entry for entry in _entries(group) if entry.name == name), None)
+
+
+def _entries(group: str) -> Iterator[metadata.EntryPoint]:
+    """Yield the entry points of other packages; ours are found in our folders."""
+    for entry in metadata.entry_points(group=f"{_PACKAGE}.{group}"):
+        if not entry.value.startswith(f"{_PACKAGE}."):
+            yield entry
 
 
 def require_vehicle(found: Any) -> Vehicle:

@@ -13,7 +13,12 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.parameters.parameter import Kind, names_of, parameter
-from spacecraft_gnc.parameters.sections import ControllerHost, GovernorHost, PlantHost
+from spacecraft_gnc.parameters.sections import (
+    ControllerHost,
+    GovernorHost,
+    PlantHost,
+    method_named,
+)
 from spacecraft_gnc.scenario import InvalidScenario, Scenario, from_sections
 from spacecraft_gnc.scenario.shipped import shipped
 from spacecraft_gnc.vehicles import registry
@@ -52,6 +57,11 @@ class RailParameters(PlantHost):
     rail_length: float = parameter(Kind.DOUBLE, 1.0, "length of the rail", unit="m", above=0.0)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RailControl(ControllerHost):
+    method: str = method_named("shooting")
+
+
 def vehicle(plant: str) -> Vehicle:
     return replace(RIGID_BODY, plant=Lazy(f"{HERE}:{plant}"))
 
@@ -65,7 +75,7 @@ RAIL = Vehicle(
     description="cart on a rail",
     sections={
         "plant": RailParameters,
-        "nmpc_controller": ControllerHost,
+        "nmpc_controller": RailControl,
         "reference_governor": GovernorHost,
     },
     plant=Lazy(f"{HERE}:Cart.from_scenario"),

@@ -7,8 +7,7 @@ import math
 import numpy as np
 
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.governors.laws import NONE
-from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, reservation
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 
 
@@ -31,7 +30,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
             ("settling", expected.settling),
             ("zones", ", ".join(zones) or "none"),
         ),
-        governor=", ".join([*kept, *_reservation(scenario)]),
+        governor=", ".join(text for text in (*kept, reservation(scenario)) if text),
         numbers={
             "initial_error_deg": error,
             "horizon": horizon,
@@ -49,12 +48,6 @@ def _belief(scenario: Scenario) -> str:
         return ""
     moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(believed))
     return f", believed {moments} kg m^2"
-
-
-def _reservation(scenario: Scenario) -> list[str]:
-    """Return what a governor's guarantee rests on where the controller believes another body."""
-    is_ahead = scenario.governor.governor != NONE.name and bool(_belief(scenario))
-    return ["whose limits are sure for the believed inertia only"] if is_ahead else []
 
 
 def _initial_error_deg(scenario: Scenario) -> float:

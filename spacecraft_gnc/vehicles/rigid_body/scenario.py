@@ -13,7 +13,7 @@ from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
 from spacecraft_gnc.vehicles.rigid_body.parameters.governor import GovernorParameters
 from spacecraft_gnc.vehicles.rigid_body.parameters.plant import PlantParameters
-from spacecraft_gnc.vehicles.vehicle import Method
+from spacecraft_gnc.vehicles.vehicle import GovernorLaw, Method
 
 
 class Scenario(Protocol):
@@ -44,6 +44,10 @@ class Scenario(Protocol):
         """Method of the controller."""
 
     @property
+    def law(self) -> GovernorLaw:
+        """Law of the governor."""
+
+    @property
     def period(self) -> float:
         """Control period [s]."""
 
@@ -71,3 +75,14 @@ def known_inertia(scenario: Scenario, section: str, inertia: Matrix3) -> Matrix3
         key, need = f"{section}.inertia", "9 numbers (3x3, row-major) [kg m^2]"
         raise InvalidScenario([Problem(scenario.path, None, key, "nothing", need, "add it")])
     return inertia
+
+
+def reservation(scenario: Scenario) -> str:
+    """Return what the guarantee of a governor rests on; empty where nothing is to be said.
+
+    What flies on board predicts with the inertia that the controller believes.
+    """
+    believed, inertia = scenario.controller.inertia, scenario.plant.inertia
+    if not scenario.law.looks_ahead or np.array_equal(believed, inertia):
+        return ""
+    return "limits are sure for the believed inertia only"

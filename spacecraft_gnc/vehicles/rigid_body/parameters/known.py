@@ -30,18 +30,12 @@ class Values:
     checked: Checked
 
     def number(self, section: str, name: str) -> float:
-        """Return a number, of which too large a quotient is infinite and no exception."""
-        value = self.checked.get(section, name)
-        if not isinstance(value, int | float):
-            raise Missing
-        return np.float64(value)
+        """Return a number, as `Checked.number` does."""
+        return self.checked.number(section, name)
 
     def numbers(self, section: str, name: str) -> list[float]:
-        """Return a list of numbers."""
-        value = self.checked.get(section, name)
-        if not isinstance(value, list):
-            raise Missing
-        return value
+        """Return a list of numbers, likewise."""
+        return self.checked.numbers(section, name)
 
     def given(self, section: str, name: str) -> float:
         """Return a number that was given; 0 where none was."""

@@ -16,6 +16,7 @@ from spacecraft_gnc.vehicles.rigid_body.report.motion import motion_charts
 from spacecraft_gnc.vehicles.rigid_body.report.record import invariant_charts, source_chart
 from spacecraft_gnc.vehicles.rigid_body.report.rows import ROWS
 from spacecraft_gnc.vehicles.rigid_body.report.solver import solver_charts
+from spacecraft_gnc.vehicles.rigid_body.scenario import reservation
 from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry, computed, read_telemetry
 
 if TYPE_CHECKING:
@@ -54,6 +55,8 @@ class RigidBodyReport:
         for key, what in _COUNTED.items():
             if run.metrics[key]:
                 yield f"{what}: {run.metrics[key]}"
+        if run.scenario is not None and reservation(run.scenario):
+            yield f"{reservation(run.scenario)}, which is not that of the plant"
         late = int(np.count_nonzero(run.telemetry.deadline_slack < 0.0))
         if late:
             yield f"solves that ended after their deadline: {late}"
