@@ -14,14 +14,13 @@ from typing import Any, Protocol, TypeVar
 
 from spacecraft_gnc.loop.flight import Flight
 from spacecraft_gnc.signals.signal import Signal
-from spacecraft_gnc.types import GovernorDecision, Invariants, Reference, State, Vector3
+from spacecraft_gnc.types import GovernorDecision, Reference, State
 
 __all__ = [
     "Command",
     "Controller",
     "Governor",
     "GovernorDecision",
-    "Invariants",
     "Plant",
     "Reference",
     "Source",
@@ -103,12 +102,6 @@ class Plant(Protocol[S_co, U_contra]):
 
         ``applied``: control and its source over the step that ended now.
         """
-
-    def invariants(self) -> Invariants:
-        """Invariants of the current state."""
-
-    def angular_velocity(self) -> Vector3:
-        """Body rate (3,) of the current state [rad/s]."""
 
     def warm_up(self) -> None:
         """Compile or load everything that `step` needs."""

@@ -152,17 +152,23 @@ class Vehicle:
     facts: Lazy | None = None
     """Function of a scenario and its `Outlook`: the `Facts`."""
     signals: Lazy | None = None
+    """Tuple of the signals that its nodes exchange (`signals.Signal`)."""
     flight: Lazy | None = None
     """Class of its flights (`loop.flight.Flight`)."""
     columns: Lazy | None = None
     """Function of a bag that reads such a flight from it."""
     outputs: Lazy | None = None
+    """Function of a scenario: what its controller and governor publish at each step."""
     audit: Lazy | None = None
+    """Audit of a bag (`audit.vehicle.VehicleAudit`)."""
     metrics: Lazy | None = None
+    """Function of a flight and its scenario: the summary in numbers, by name."""
     summary: Lazy | None = None
     """Function of the metrics of a flight: what to say of it, (label, text) by line."""
     figures: Lazy | None = None
+    """Figures for print (`drawing.vehicle.VehicleFigures`)."""
     report: Lazy | None = None
+    """Page of one flight or several (`drawing.vehicle.VehicleReport`)."""
     scene: Lazy | None = None
     live: Lazy | None = None
     resolve: Lazy | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final, TypeAlias
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -17,9 +17,7 @@ from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, STATE, TORQUE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Progress
-    from spacecraft_gnc.loop.protocols import Plant
 
-    AnyPlant: TypeAlias = Plant[Any, Any]
 
 ROUNDING: Final = 64.0 * 2.0**-53
 """Share of the largest magnitude that the sums of three products may be off."""
@@ -31,7 +29,7 @@ _DEFECT = "plant_invariants.orthogonality_error"
 
 def audit_motion(
     evidence: Evidence,
-    plant: AnyPlant,
+    plant: RigidBodyPlant,
     ledger: Ledger,
     tolerance: float | None,
     progress: Progress | None,
@@ -69,7 +67,7 @@ def applied_torques(evidence: Evidence) -> Array:
 
 def _each_step(
     evidence: Evidence,
-    plant: AnyPlant,
+    plant: RigidBodyPlant,
     torques: Array,
     ledger: Ledger,
     tolerance: float | None,
@@ -106,7 +104,7 @@ def _each_step(
 
 def _in_a_row(
     evidence: Evidence,
-    plant: AnyPlant,
+    plant: RigidBodyPlant,
     torques: Array,
     ledger: Ledger,
     tolerance: float | None,
@@ -135,7 +133,7 @@ def _in_a_row(
 
 def _flown_again(
     evidence: Evidence,
-    plant: AnyPlant,
+    plant: RigidBodyPlant,
     torques: Array,
     ledger: Ledger,
     progress: Progress | None,
@@ -174,7 +172,9 @@ _SIZES: Final = {
 }
 
 
-def _momentum_balance(evidence: Evidence, plant: AnyPlant, torques: Array, ledger: Ledger) -> None:
+def _momentum_balance(
+    evidence: Evidence, plant: RigidBodyPlant, torques: Array, ledger: Ledger
+) -> None:
     """R' Pi' - R Pi = h R' u: a law of the integrator that no quantity of its own enters."""
     name = "inertial momentum = torque impulse"
     if type(plant) is not RigidBodyPlant or plant.substeps != 1:
