@@ -17,6 +17,7 @@ from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused, 
 from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan, node_options
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
 from spacecraft_gnc.launcher.progress import Display
+from spacecraft_gnc.signals.members import agent_of, role_of
 
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
     from spacecraft_gnc.ros.supervisor import Supervisor
@@ -120,14 +121,16 @@ class Launcher:
             self.display.close()
 
     def _start(self, name: str, *, autostart: bool) -> None:
-        module = "composed" if name == COMPOSED else name
+        module = "composed" if name == COMPOSED else role_of(name)
         arguments = ["-m", f"spacecraft_gnc.nodes.{module}"]
         arguments += self.plan.nodes if name == COMPOSED else []
         arguments += ["--ros-args", "--params-file", str(self.plan.parameter_file)]
         bag = self._bags[-1] if self._bags else self.plan.bag
         for option in node_options(autostart, bag.resolve()):
             arguments += ["-p", option]
-        log = self.plan.logs / f"{name}.log"
+        if agent_of(name):
+            arguments += ["-r", f"__ns:=/{agent_of(name)}"]
+        log = self.plan.logs / f"{name.replace('/', '.')}.log"
         self._processes[name] = NodeProcess(name, arguments, self._environment, log)
 
     def _bring_up(self, supervisor: Supervisor) -> None:

@@ -54,8 +54,9 @@ class GncNode(LifecycleNode):
     place: Place
     """Where this one stands in it."""
 
-    def __init__(self) -> None:
-        super().__init__(self.ROLE, parameter_overrides=[Parameter("use_sim_time", value=True)])
+    def __init__(self, namespace: str | None = None) -> None:
+        simulated = [Parameter("use_sim_time", value=True)]
+        super().__init__(self.ROLE, namespace=namespace, parameter_overrides=simulated)
         self.active = False
         self.finished = False
         """The node has done its work; the runner ends it."""

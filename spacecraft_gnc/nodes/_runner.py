@@ -15,7 +15,7 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -41,13 +41,13 @@ _DRAIN_ROUNDS = 50  # looks at an empty queue before it counts as empty
 _AUTOSTART = "autostart"
 
 
-def run(*node_types: type[GncNode], arguments: Sequence[str] | None = None) -> int:
+def run(*node_types: Callable[[], GncNode], arguments: Sequence[str] | None = None) -> int:
     """Run nodes in one process and one executor until all are told to end, or one has finished.
 
     Parameters
     ----------
     node_types
-        Nodes, in the order in which they start; they end in reverse.
+        Classes of nodes, or what makes one, in the order in which they start; they end in reverse.
     arguments
         Command line; by default that of the process.
 
@@ -66,7 +66,7 @@ def run(*node_types: type[GncNode], arguments: Sequence[str] | None = None) -> i
     return code
 
 
-def _run(node_types: Sequence[type[GncNode]], argv: list[str]) -> int:
+def _run(node_types: Sequence[Callable[[], GncNode]], argv: list[str]) -> int:
     stop = _StopRequest()
     nodes: list[GncNode] = []
     executor: Executor | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,9 @@ from spacecraft_gnc_msgs.msg import WallTiming
 from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.ros.endpoints import message_type
 from spacecraft_gnc.ros.qos import ros_qos
-from spacecraft_gnc.signals.graph import PLANT, WALL_STATUS, WALL_TIMING
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.graph import CONTROLLER, PLANT, WALL_STATUS, WALL_TIMING
+from spacecraft_gnc.signals.members import Place, agent_of, role_of
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -63,7 +65,7 @@ class Supervisor:
     Parameters
     ----------
     names
-        Nodes to look after.
+        Nodes to look after, relative to the root namespace.
     domain_id
         ROS_DOMAIN_ID of the graph.
     """
@@ -77,9 +79,13 @@ class Supervisor:
         self._executor.add_node(self._node)
         self._nodes = {name: _Managed(self._node, name) for name in names}
         self.progress = Progress()
-        for signal, callback in ((WALL_TIMING, self._on_timing), (WALL_STATUS, self._on_status)):
-            kind, qos = message_type(signal.type), ros_qos(signal.qos)
-            self._node.create_subscription(kind, signal.name, callback, qos)
+        self._listen(WALL_TIMING, "", self._on_timing)
+        for agent in dict.fromkeys(agent_of(n) for n in names if role_of(n) == CONTROLLER):
+            self._listen(WALL_STATUS, agent, self._on_status)
+
+    def _listen(self, signal: Signal, agent: str, callback: Callable[[Any], None]) -> None:
+        kind, qos = message_type(signal.type), ros_qos(signal.qos)
+        self._node.create_subscription(kind, Place("", agent).topic(signal), callback, qos)
 
     def __enter__(self) -> Self:
         """Return the supervisor."""
