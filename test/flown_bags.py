@@ -201,6 +201,7 @@ class _Recorder:
             orthogonality_error=defect,
             applied_torque=CODEC.vector(applied),
             applied_source=int(source),
+            external_torque=CODEC.vector(plant.external_torque),
         )  # fmt: skip
 
     def timing(self, k: int, held: int) -> None:

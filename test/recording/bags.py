@@ -112,6 +112,7 @@ class Codec:
             orthogonality_error=0.0,
             applied_torque=self.vector(torque),
             applied_source=source,
+            external_torque=self.vector(np.zeros(3)),
         )
 
     def decision(self, step, alpha, margin):

@@ -159,7 +159,7 @@ class RigidBodyPlant:
         state, (torque, source) = self._state, applied
         outputs: list[tuple[Signal, Any]] = [
             (STATE, StateAndRate(state, self.angular_velocity())),
-            (INVARIANTS, (*self.invariants(), torque, int(source))),
+            (INVARIANTS, (*self.invariants(), torque, int(source), self._external)),
         ]
         if self._pose_every and state.step % self._pose_every == 0:
             outputs.append((POSE, pose_of(state.attitude)))

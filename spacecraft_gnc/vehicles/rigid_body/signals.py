@@ -126,6 +126,7 @@ INVARIANTS: Final = Signal(
         "orthogonality_error": Field("float64", "-"),
         "applied_torque": Field(VECTOR3, "N m"),
         "applied_source": Field("uint8", "-", _SOURCE),
+        "external_torque": Field(VECTOR3, "N m"),
     },
     publishers=(PLANT,),
     frame=INERTIAL_FRAME,
