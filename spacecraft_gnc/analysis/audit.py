@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from spacecraft_gnc.analysis.vehicle import part
+from spacecraft_gnc.analysis.vehicle import part, require_vehicle
 from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import read_evidence
 from spacecraft_gnc.audit.ledger import Check, Difference, Ledger
@@ -112,6 +112,7 @@ def audit_bag(
     ledger, counts = Ledger(), Counts()
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
         bag.verify(watch("checksums"))
+        require_vehicle(bag)
         text, defaults = scenario_texts(bag.attachments())
         name = flight_namespace(bag, namespace, state_signals())
         scenario, problem = parse_scenario(text, bag.path, name, defaults)

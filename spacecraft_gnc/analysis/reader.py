@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from spacecraft_gnc.analysis.run_info import RunInfo
-from spacecraft_gnc.analysis.vehicle import part
+from spacecraft_gnc.analysis.vehicle import part, require_vehicle
 from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.bag import open_bag
@@ -102,6 +102,7 @@ def read_flight(
         If there is no readable bag, or no flight of one spacecraft in it.
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
+        require_vehicle(bag)
         text, defaults = scenario_texts(bag.attachments())
         name = flight_namespace(bag, namespace, state_signals())
         scenario, problem = parse_scenario(text, bag.path, name, defaults)

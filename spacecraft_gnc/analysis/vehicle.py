@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
-from spacecraft_gnc.vehicles.registry import vehicle_of
+from spacecraft_gnc.scenario.provenance import RUN_RECORD
+from spacecraft_gnc.vehicles.registry import VEHICLES, is_known, vehicle_of
 
 if TYPE_CHECKING:
+    from spacecraft_gnc.recording.bag import Bag
     from spacecraft_gnc.scenario import Scenario
 
 
@@ -36,3 +38,22 @@ def part(name: str, scenario: Scenario | None = None) -> Any:
             "does not have; required a vehicle with that part; see docs/architecture.md"
         )
     return found.load()
+
+
+def require_vehicle(bag: Bag) -> None:
+    """Refuse a bag whose vehicle is not installed, where its flight is to be understood.
+
+    Raises
+    ------
+    RecordingError
+        With its name and package, as the recorder wrote them down.
+    """
+    run = bag.metadata().get(RUN_RECORD, {})
+    name, package = run.get("vehicle", ""), run.get("vehicle_package", "")
+    if name and not is_known(VEHICLES, name):
+        origin = f" of package {package}" if package else ""
+        raise RecordingError(
+            f"{bag.path}: received a flight of vehicle {name!r}{origin}, which is not installed; "
+            "required it, for what its numbers mean; install it (gnc inspect, export and recover "
+            "need no vehicle)"
+        )

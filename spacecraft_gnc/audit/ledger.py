@@ -148,12 +148,16 @@ class Ledger:
         tolerance: Array | float,
         unit: str = "",
     ) -> None:
-        """Require deviations (m,) or (m, n) of steps (m,) to keep a bound; NaN keeps none."""
+        """Require deviations (m,) or (m, n) of steps (m,) to keep a bound; NaN keeps none.
+
+        There may be one bound, one for each step, or one for each deviation.
+        """
         line = self._bounded(name, tolerance, unit)
         if not len(steps):
             return
         off = np.abs(deviation).reshape(len(steps), -1)
-        wrong = ~(off <= np.asarray(tolerance).reshape(-1, 1))
+        limits = np.asarray(tolerance)
+        wrong = ~(off <= (limits if limits.ndim > 1 else limits.reshape(-1, 1)))
         self._enter(line, steps, where, off, wrong)
 
     def require(

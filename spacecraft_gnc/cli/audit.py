@@ -67,44 +67,104 @@ def audit(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Integrate a flight again, certify its plans, repeat its failures; 1 where it differs."""
+    """Integrate a flight again, certify its plans, repeat its failures; 1 where it differs.
+
+    Of a bag of several spacecraft each one is audited, unless --namespace names one.
+    """
     if tolerance is not None and not 0.0 <= tolerance < math.inf:
         raise ParameterError(
             f"--tolerance: received {tolerance!r}; required a number >= 0; give for example 1e-12"
         )
+    from spacecraft_gnc.analysis.agents import agents
     from spacecraft_gnc.analysis.audit import audit_bag
-    from spacecraft_gnc.audit.limits import as_dicts
-    from spacecraft_gnc.scenario.fingerprint import differences
 
-    intended = None if scenario is None else _intended(scenario, namespace)
+    names = agents(bag, namespace, allow_unfinished=unfinished)
+    intended = [None if scenario is None else _intended(scenario, name) for name in names]
     with show_progress("auditing", silent=quiet) as update:
-        found = audit_bag(
-            bag,
-            tolerance=tolerance,
-            namespace=namespace,
-            allow_unfinished=unfinished,
-            progress=lambda what: partial(update, what=what),
-        )
-    differing = () if intended is None else differences(found.scenario, intended)
-    exceeded = as_dicts(found.exceeded)
+        results = [
+            _Result(
+                name,
+                audit_bag(
+                    bag,
+                    tolerance=tolerance,
+                    namespace=name,
+                    allow_unfinished=unfinished,
+                    progress=lambda what: partial(update, what=what),
+                ),
+                wanted,
+                scenario,
+            )
+            for name, wanted in zip(names, intended, strict=True)
+        ]
     if not quiet:
-        for remark in found.remarks:
-            print(f"note: {remark}", file=sys.stderr)
-        if exceeded:
-            print(f"warning: {bag}: {exceeded_text(exceeded)}", file=sys.stderr)
+        for result in results:
+            result.warn(f"{bag}: {result.agent}" if len(results) > 1 else f"{bag}")
     if as_json:
-        print_json(_as_dict(found, scenario, differing))
+        print_json(_as_dict(bag, results))
     elif not quiet:
-        _print(found)
-        _print_scenario(found, scenario, differing)
-    _require_passed(bag, found)
-    if differing:
-        count = "1 value differs" if len(differing) == 1 else f"{len(differing)} values differ"
-        raise RunFailed(
-            f"{bag}: holds another scenario than {scenario}: {differing[0].name} is "
-            f"{differing[0].first}; required {differing[0].second}; {count}"
-        )
-    require_within_limits(bag, exceeded, strict)
+        for result in results:
+            if len(results) > 1:
+                print(f"{result.agent}:")
+            result.print()
+    for result in results:
+        result.require(f"{bag}: {result.agent}" if len(results) > 1 else f"{bag}", strict)
+
+
+def _as_dict(bag: Path, results: list[_Result]) -> dict[str, Any]:
+    """Return the audit of a spacecraft, or of several by their names."""
+    if len(results) == 1:
+        return results[0].as_dict()
+    told = {str(result.agent): result.as_dict() for result in results}
+    passed = all(values["passed"] for values in told.values())
+    return {"bag": str(bag), "passed": passed, "agents": told}
+
+
+class _Result:
+    """The audit of one spacecraft, and what the scenario in the bag was held against."""
+
+    def __init__(
+        self, agent: str | None, found: Audit, intended: Scenario | None, file: Path | None
+    ) -> None:
+        from spacecraft_gnc.audit.limits import as_dicts
+        from spacecraft_gnc.scenario.fingerprint import differences
+
+        self.agent, self.found, self._file = agent, found, file
+        self.differing = () if intended is None else differences(found.scenario, intended)
+        self._exceeded = as_dicts(found.exceeded)
+
+    def warn(self, where: str) -> None:
+        """Print what to know beside the verdict."""
+        for remark in self.found.remarks:
+            print(f"note: {remark}", file=sys.stderr)
+        if self._exceeded:
+            print(f"warning: {where}: {exceeded_text(self._exceeded)}", file=sys.stderr)
+
+    def print(self) -> None:
+        """Print the table, and what it rests on."""
+        _print(self.found)
+        _print_scenario(self.found, self._file, self.differing)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the audit with what the scenario in the bag was held against."""
+        values = self.found.as_dict()
+        if self._file is None:
+            return values
+        listed = [difference._asdict() for difference in self.differing]
+        values["passed"] = self.found.passed and not self.differing
+        return values | {"held_against": str(self._file), "scenario_differences": listed}
+
+    def require(self, where: str, strict: bool) -> None:
+        """End with 1 where the audit failed, or the scenario is another one."""
+        _require_passed(where, self.found)
+        if self.differing:
+            n = len(self.differing)
+            count = "1 value differs" if n == 1 else f"{n} values differ"
+            first = self.differing[0]
+            raise RunFailed(
+                f"{where}: holds another scenario than {self._file}: {first.name} is "
+                f"{first.first}; required {first.second}; {count}"
+            )
+        require_within_limits(where, self._exceeded, strict)
 
 
 def _intended(path: Path, namespace: str | None) -> Scenario:
@@ -116,27 +176,15 @@ def _intended(path: Path, namespace: str | None) -> Scenario:
     return from_sections(read_sections(file, namespace), str(file))
 
 
-def _require_passed(bag: Path, found: Audit) -> None:
+def _require_passed(where: str, found: Audit) -> None:
     if found.first is None:
         return
     check, difference = found.first
     told = f"; {check.note}" if check.note else ""
     raise RunFailed(
-        f"{bag}: the first difference is at step {difference.step}, {difference.field} "
+        f"{where}: the first difference is at step {difference.step}, {difference.field} "
         f"({check.name}{told}); required {check.tolerance}; {_count(found)} failed"
     )
-
-
-def _as_dict(
-    found: Audit, scenario: Path | None, differing: Sequence[ValueDifference]
-) -> dict[str, Any]:
-    """Return the audit with what the scenario in the bag was held against."""
-    values = found.as_dict()
-    if scenario is None:
-        return values
-    listed = [difference._asdict() for difference in differing]
-    values["passed"] = found.passed and not differing
-    return values | {"held_against": str(scenario), "scenario_differences": listed}
 
 
 def _print_scenario(

@@ -57,7 +57,11 @@ def report(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Write one self-contained HTML page: curves, 3-D view, summary, audit of one or more runs."""
+    """Write one self-contained HTML page: curves, 3-D view, summary, audit of one or more runs.
+
+    A bag of several spacecraft is shown as several runs, unless --namespace names one.
+    """
+    from spacecraft_gnc.analysis.agents import agents
     from spacecraft_gnc.analysis.report import read_run, report_html, write_report
     from spacecraft_gnc.analysis.run_names import run_names
 
@@ -65,14 +69,19 @@ def report(
     known = given_scenario(scenario)
     runs: list[Run] = []
     with show_progress("reading", silent=quiet) as progress:
-        for path, name in zip(sources, run_names(sources), strict=True):
-            progress(len(runs), len(sources), f"reading {name}")
+        listed = [
+            (path, name if agent is None or agent == namespace else f"{name} {agent}", agent)
+            for path, name in zip(sources, run_names(sources), strict=True)
+            for agent in agents(path, namespace, allow_unfinished=unfinished)
+        ]
+        for path, name, agent in listed:
+            progress(len(runs), len(listed), f"reading {name}")
             watch = partial(_part, progress, name)
             found = read_run(
                 path,
                 name,
                 known,
-                namespace=namespace,
+                namespace=agent,
                 allow_unfinished=unfinished,
                 progress=watch,
             )

@@ -63,7 +63,7 @@ def flight_namespace(bag: Bag, namespace: str | None, leads: Iterable[Signal] = 
         If the bag holds no spacecraft, or several.
     """
     leads = list(leads)
-    found = sorted(_prefixes(bag, leads))
+    found = flight_namespaces(bag, leads)
     prefixes = found
     if namespace is not None:
         prefixes = [prefix for prefix in found if prefix.strip("/") == namespace.strip("/")]
@@ -84,12 +84,16 @@ def flight_namespace(bag: Bag, namespace: str | None, leads: Iterable[Signal] = 
     return prefixes[0]
 
 
-def _prefixes(bag: Bag, leads: list[Signal]) -> set[str]:
-    """Return the namespaces that hold a flight."""
+def flight_namespaces(bag: Bag, leads: Iterable[Signal] = ()) -> list[str]:
+    """Return the prefixes of the flights in a bag, sorted; ``leads`` as of `flight_namespace`."""
     names = {lead.name for lead in leads}
-    if names:
-        return {t.rpartition("/")[0] for t in bag.topics if t.rpartition("/")[2] in names}
-    return {t.rpartition("/")[0] for t in bag.topics if bag.is_gapless(t) and bag.is_stepped(t)}
+    topics = (
+        topic
+        for topic in bag.topics
+        if (topic.rpartition("/")[2] in names if names else bag.is_gapless(topic))
+        and (names or bag.is_stepped(topic))
+    )
+    return sorted({topic.rpartition("/")[0] for topic in topics})
 
 
 def _is_within(namespace: str, prefix: str) -> bool:

@@ -12,6 +12,7 @@ from recording.bags import announce
 
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.recording.writer import BagWriter
+from spacecraft_gnc.scenario.provenance import RUN_RECORD
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
 
 STEPS = {"chaser": 12, "target": 7}
@@ -70,12 +71,15 @@ def test_one_is_read(
     assert found == STEPS[name]
 
 
-@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
+ONE = "several spacecraft (/chaser, /target); required one; name it with --namespace"
+THIRD = ["--namespace", "third"], "in namespace third; required a flight"
+
+
 @pytest.mark.parametrize(
-    ("words", "reason"),
+    ("command", "words", "reason"),
     [
-        ([], "several spacecraft (/chaser, /target); required one; name it with --namespace"),
-        (["--namespace", "third"], "no topic attitude_state in namespace third; required"),
+        *((command, *THIRD) for command in COMMANDS.values()),
+        *((COMMANDS[name], [], ONE) for name in ("plot", "export", "replay")),
     ],
 )
 def test_otherwise_it_is_refused(
@@ -90,3 +94,50 @@ def test_otherwise_it_is_refused(
     (error,) = capsys.readouterr().err.splitlines()
     assert reason in error
     assert list(tmp_path.iterdir()) == []
+
+
+def test_all_are_audited_and_named(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("audit", "--unfinished", bag) == 0
+    out = capsys.readouterr().out
+    assert [line for line in out.splitlines() if line.endswith(":")] == ["chaser:", "target:"]
+    assert run("audit", "--unfinished", bag, "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["bag"], told["passed"]) == (str(bag), True)
+    assert {name: audit["steps"] for name, audit in told["agents"].items()} == STEPS
+
+
+def test_the_one_that_differs_is_named(bag: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Only the second one stopped before its scenario was over."""
+    assert run("audit", bag) == 1
+    (error,) = capsys.readouterr().err.splitlines()[-1:]
+    assert f"{bag}: target: the first difference is at step 7" in error
+
+
+def test_all_are_shown_side_by_side(
+    bag: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run("report", "--out", tmp_path / "both.html", bag, "--json") == 0
+    runs = json.loads(capsys.readouterr().out)["runs"]
+    assert {one["name"]: one["metrics"]["steps"] for one in runs} == {
+        f"bag {name}": steps for name, steps in STEPS.items()
+    }
+
+
+def test_a_vehicle_that_is_not_installed_is_named_and_its_bag_can_still_be_exported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flown = messages_of(fly(tmp_path / "alone"))
+    with BagWriter(tmp_path / "bag") as one:
+        announce(one)
+        one.metadata(RUN_RECORD, {"vehicle": "sail", "vehicle_package": "sails 2.0"})
+        for topic, stamp, data in flown:
+            if topic != "/wall_timing":
+                one.write(topic, stamp, stamp, data)
+    reason = "received a flight of vehicle 'sail' of package sails 2.0, which is not installed"
+    for command in (["audit"], ["report", "--out", tmp_path / "report.html"], ["plot"]):
+        assert run(*command, tmp_path / "bag") == 2
+        (error,) = capsys.readouterr().err.splitlines()
+        assert reason in error
+    out = tmp_path / "flight.csv"
+    assert run("export", tmp_path / "bag", "--format", "csv", "--out", out) == 0
+    assert out.stat().st_size > 1000

@@ -133,7 +133,7 @@ class CertificateAudit:
             off = np.where(found.largest >= ocp.max_torque * (1.0 - CUT), np.maximum(off, 0.0), off)
         # along a torque on the limit what a stopped solve has left is no longer to be seen
         on_limit = (ocp.max_torque > 0.0) & (found.largest >= ocp.max_torque * (1.0 - CUT))
-        limit = share * found.made_of + found.rounding
+        limit = share * found.made_of + found.rounding[:, 1]
         if formulation in FORWARD_RUN:
             limit += AMPLIFIED * self._left(found)
         limit += np.where(on_limit, self._left(found), 0.0)
@@ -209,10 +209,10 @@ class CertificateAudit:
         claimed = rows["first_costate"]
         size = max(float(np.abs(claimed).max()), 1e-300)
         off = found.costates - claimed
-        limits = np.maximum(share * size, found.rounding)
+        limits = np.maximum(share * size, np.repeat(found.rounding, 3, axis=1))
         if formulation in FORWARD_RUN:
-            limits += AMPLIFIED * self._left(found)
-        bound("first costate", steps, "solver_status.first_costate", off, limits[:, None])
+            limits += AMPLIFIED * self._left(found)[:, None]
+        bound("first costate", steps, "solver_status.first_costate", off, limits)
         self._margins(formulation, steps, rows, plans, found)
         self._curvature(formulation, steps, rows, found)
         if self._certifier.has_set:

@@ -162,11 +162,12 @@ def cost_of(problem: Problem, s: Stages, sigma: Array) -> Array:
 
 
 def made_of(problem: Problem, s: Stages, share: Array) -> tuple[Array, Array]:
-    """Return the (m,) sums of the sizes of what adds up to lambda2 over the horizon.
+    """Return (m, 2) sums of the sizes of what adds up to lambda1 and lambda2 over the horizon.
 
-    The scale of its rounding, and of what counts as little of it: near the target, where lambda2
-    itself vanishes, it does not, for the entries of a rotation are of the order of one. And, of the
-    zones that act, the sums of what their weights make of a cosine: that of its rounding.
+    The scale of their rounding, and of what counts as little of them: near the target, where
+    lambda2 itself vanishes, it does not, for the entries of a rotation are of the order of one.
+    And, of the zones that act, the sums of what their weights make of a cosine: that of its
+    rounding.
     """
     steep1, steep2 = np.zeros(len(s.u)), np.zeros(len(s.u))
     h, track = problem.ocp.time_step, s.track
@@ -192,7 +193,8 @@ def made_of(problem: Problem, s: Stages, share: Array) -> tuple[Array, Array]:
             pull = h * weight * np.linalg.norm(np.cross(v, a), axis=1)
             a1, steep1 = a1 + excess * pull, steep1 + np.where(excess > 0.0, pull, 0.0)
     fed = track.controls @ problem.control @ problem.back.T
-    return a2 + np.linalg.norm(fed, axis=1), steep2
+    a2 = a2 + np.linalg.norm(fed, axis=1)
+    return np.stack([a1, a2], axis=1), np.stack([steep1, steep2], axis=1)
 
 
 def _end(problem: Problem, s: Stages, share: Array) -> tuple[Array, Array]:

@@ -86,7 +86,7 @@ class Certificates(NamedTuple):
     made_of: Array
     """Scale of lambda2: the sum of the sizes of what adds up to it."""
     rounding: Array
-    """What rounding may make of a lambda2."""
+    """(m, 2) What rounding may make of a lambda1 and a lambda2."""
     correction: Array
     """Largest change of a lambda2 by one Newton step from the plan, as a share of the largest."""
     costates: Array
@@ -155,7 +155,7 @@ class Certifier:
         factors = factors_of(problem, s, lam, limit.sigma, share)
         costate = np.linalg.norm(lam[..., 3:], axis=2).max(axis=1)
         terms, steep = made_of(problem, s, share)
-        size = np.maximum(terms, costate)
+        size = np.maximum(terms[:, 1], costate)
         corrected = correction(problem, s, factors, limit.left)
         exist = np.asarray(exists.all(axis=1) & track.exists)
         found = Certificates(
@@ -170,7 +170,7 @@ class Certifier:
             curvature=smallest_pivot(problem, factors),
             multiplier=share - 1.0,
             made_of=size,
-            rounding=ROUNDING * size + COSINE * steep,
+            rounding=ROUNDING * terms + COSINE * steep,
             correction=corrected / np.maximum(costate, 1e-300),
             costates=lam[:, 0],
         )
@@ -184,7 +184,7 @@ def _of_existing(found: Certificates, claimed: Array) -> Certificates:
     kept = {
         name: np.where(found.exists, values, 0.0)
         for name, values in found._asdict().items()
-        if name not in ("exists", "costates")
+        if name != "exists" and values.ndim == 1
     }
     costates = np.where(found.exists[:, None], found.costates, claimed)
     return found._replace(**kept, costates=costates)

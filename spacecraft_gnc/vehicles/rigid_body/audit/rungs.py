@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 SENSITIVE: Final = 1e-9
 """Share of the largest torque that those may differ which rest on a linearised plan."""
-TORQUE_FIELD: Final = "torque_command.control"
+TORQUE_FIELD: Final = "torque_command.torque"
 _SOURCE: Final = "torque_command.source"
 LAW: Final = "command of the law"
 _LADDER = "command of the ladder"
