@@ -1,4 +1,4 @@
-"""The spacecraft that a recording holds."""
+"""Namespaces of the spacecraft in a recording."""
 
 from __future__ import annotations
 

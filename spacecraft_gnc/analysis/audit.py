@@ -1,4 +1,4 @@
-"""The audit of a bag, from the file to the table."""
+"""Audit of a bag, from the file to the table of checks."""
 
 from __future__ import annotations
 

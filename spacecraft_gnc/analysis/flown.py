@@ -1,4 +1,4 @@
-"""A flight with all that was recorded of it, as its vehicle's pictures and pages read it."""
+"""A recorded flight with its telemetry, as figures and reports take it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is known of a run beside its arrays."""
+"""Origin, scenario and completeness of a recorded run."""
 
 from __future__ import annotations
 

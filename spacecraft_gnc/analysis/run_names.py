@@ -1,4 +1,4 @@
-"""What a run is called: after the folder or file that holds it."""
+"""Names of runs, after the folder or file that holds them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The vehicle of a run, asked for what only it knows of its flights."""
+"""Access to the parts of a recorded run's vehicle."""
 
 from __future__ import annotations
 

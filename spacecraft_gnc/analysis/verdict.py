@@ -1,4 +1,4 @@
-"""What the audit says of a run, for a reader of its report."""
+"""Verdict of the audit, as a report shows it."""
 
 from __future__ import annotations
 

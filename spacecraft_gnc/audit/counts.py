@@ -1,4 +1,4 @@
-"""What an audit did beyond comparing numbers: solves repeated, standstills looked for."""
+"""Counts of repeated solves, justified fallbacks and standstills."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an audit starts from: the recorded topics by step, and the scenario that flew."""
+"""Evidence of an audit: recorded topics by control step, and the scenario flown."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table of an audit: what was compared, how far off it was, and the first step that differs."""
+"""Ledger of an audit: each check with its largest deviation and the first step that differs."""
 
 from __future__ import annotations
 

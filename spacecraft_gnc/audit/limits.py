@@ -1,4 +1,4 @@
-"""A limit that a flight exceeded, and by what factor."""
+"""Limits exceeded by a flight, with their factors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether every step is there, once, and at its time."""
+"""Check that each step was recorded once and carries its time."""
 
 from __future__ import annotations
 

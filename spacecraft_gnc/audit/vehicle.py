@@ -1,4 +1,4 @@
-"""What a vehicle does for the audit of its flights."""
+"""Protocol of a vehicle's own part of an audit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the diagrams of the figures for print have in common: labels, scales, legends."""
+"""Labels, scales and legends shared by the figures for print."""
 
 from __future__ import annotations
 

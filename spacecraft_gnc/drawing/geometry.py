@@ -1,4 +1,4 @@
-"""Circles on the unit sphere, from which every picture of it is drawn."""
+"""Circles on the unit sphere: cones and the graticule."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the torques of a flight came from, as stretches of time."""
+"""Sources of the commands of a flight, as stretches of time."""
 
 from __future__ import annotations
 

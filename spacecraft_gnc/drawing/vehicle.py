@@ -1,4 +1,4 @@
-"""What a vehicle draws of its flights: on the report's page, and for print."""
+"""Protocols of a vehicle's own part of the report and of the figures for print."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A file that is there complete or not at all."""
+"""Atomic writing of an output file."""
 
 from __future__ import annotations
 

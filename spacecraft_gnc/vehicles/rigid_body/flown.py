@@ -1,4 +1,4 @@
-"""A flight of a rigid body with all that is told of it, as its pictures and pages read it."""
+"""Protocol of a recorded flight of a rigid body, as its figures and report take it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run tells beside its trajectory: curvature, closed-loop radius, deadlines, invariants."""
+"""Telemetry of a flight: curvature, closed-loop radius, deadlines, invariants."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether the numbers of a certificate are those of the plan that came with it."""
+"""Check each published certificate against its plan."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether the governor, asked again, decides as it did: reference, alpha, margin and the rest."""
+"""Repeat every decision of the governor: reference, alpha, margin and the rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Claimed failures, solved again by the recorded settings from the recorded states.
+"""Solve claimed failures again, with the recorded settings from the recorded states.
 
 A controller that calls its solves failed may fly its fallback law for ever: so each claim is put to
 the flown controller once more. Where it now finds a plan, the plan is certified by the audit's own

@@ -1,4 +1,4 @@
-"""Whether the recorded motion is that of the vehicle under the recorded torques."""
+"""Integrate the recorded motion again under the recorded torques."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether the references, and what the governor says of them, make sense by themselves."""
+"""Check the references and the governor's account of them for consistency."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands that are no first torque of a plan: those of a law, and of the failure ladder.
+"""Audit commands not produced directly by a solve: those of a law and of the fallback ladder.
 
 They are worked out again by the code that flew them, from the recorded states, references and
 plans; what it remembers is the last plan, which is recorded, too.

@@ -1,4 +1,4 @@
-"""Whether each solve is worth what its certificate says, and whether its torque was commanded."""
+"""Audit the solves: certificate, command and source of each step."""
 
 from __future__ import annotations
 

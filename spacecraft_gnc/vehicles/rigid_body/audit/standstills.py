@@ -1,4 +1,4 @@
-"""Standstills, looked for again wherever the controller looks for them."""
+"""Repeat the search for standstills wherever the controller searches."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether the plant applied what was commanded, and what it did where no command had come."""
+"""Compare applied torques with commands, and with the fallback where a command was late."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How good the neighbouring extremals of a flight were: beside an exact solve of every step."""
+"""Accuracy of the neighboring extremals of a flight against exact solves."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One diagram each, drawn into given axes."""
+"""Panels of the motion: each function draws one diagram into given axes."""
 
 from __future__ import annotations
 

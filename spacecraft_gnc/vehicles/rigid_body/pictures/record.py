@@ -1,4 +1,4 @@
-"""Diagrams of what was recorded beside the motion, each drawn into given axes."""
+"""Panels of the telemetry: each function draws one diagram into given axes."""
 
 from __future__ import annotations
 
