@@ -95,7 +95,7 @@ def make_bag(folder: Path, file: Path, steps: int) -> Path:
             decision = loop.governor.decide(state)
             command = loop.controller.command(state, decision.reference)
             recording.answers(state, decision, command)
-            applied = (command.torque, command.source)
+            applied = (command.control, command.source)
             loop.plant.step(command.control)
         recording.state(loop.plant, applied)
     return folder / "bag"
