@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from spacecraft_gnc.lazy import Lazy
-from spacecraft_gnc.vehicles.rigid_body.parameters.governor import (
-    AttitudeLawParameters,
-    NoLawParameters,
-)
+from spacecraft_gnc.parameters.attitude import NoLawParameters
+from spacecraft_gnc.vehicles.rigid_body.parameters.governor import AttitudeLawParameters
 from spacecraft_gnc.vehicles.vehicle import GovernorLaw
 
 NONE: Final = GovernorLaw(
