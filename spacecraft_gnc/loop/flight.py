@@ -50,8 +50,9 @@ class Column(NamedTuple):
     read: Callable[[Any], Any]
     """Value at a `Step`, or at the `End`; None where there is none."""
     shape: tuple[int, ...]
+    """-1: a length that the first value tells."""
     missing: float | int
-    """Where there is no value; an integer makes the column one of integers."""
+    """Where there is no value; an integer makes the column one of integers, a bool one of bools."""
     signal: str
     """Topic of the message that carries the value."""
     member: str
@@ -61,6 +62,8 @@ class Column(NamedTuple):
     @property
     def type(self) -> type:
         """NumPy type of a number."""
+        if isinstance(self.missing, bool):
+            return np.bool_
         return np.int64 if isinstance(self.missing, int) else np.float64
 
 
@@ -131,7 +134,7 @@ class Flight:
     def bytes_per_step(cls) -> int:
         """Return the memory that one step takes [bytes]."""
         rows = (column.shape for _, column in cls.columns() if not column.at_end)
-        return _ITEM * (1 + sum(int(np.prod(shape)) for shape in rows))
+        return _ITEM * (1 + sum(abs(int(np.prod(shape))) for shape in rows))
 
     def save(self, path: str | Path, scenario: str = "", defaults: str = "") -> Path:
         """Write all arrays to a ``.npz`` file, whole or not at all.
@@ -209,14 +212,19 @@ class FlightLog(Generic[_Kind]):
         self._rows: dict[str, NDArray[Any]] = {
             name: np.full((n, *column.shape), column.missing, column.type)
             for name, column in self._columns
+            if -1 not in column.shape
         }
 
     def add(self, k: int, step: Step) -> None:
         """Store control step k."""
         for name, column in self._columns:
             value = column.read(step)
-            if value is not None:
-                self._rows[name][k] = value
+            if value is None:
+                continue
+            if name not in self._rows:
+                shape = (len(self._time), *np.shape(value))
+                self._rows[name] = np.full(shape, column.missing, column.type)
+            self._rows[name][k] = value
 
     def finish(self, end: End) -> _Kind:
         """Close the record with what is known at the end of the last step."""
