@@ -25,9 +25,9 @@ class Topics(NamedTuple):
     """Those with a message at every step."""
     sparse: tuple[Signal, ...]
     """Others that are kept."""
-    solves: Signal
+    solves: Signal | None = None
     """The topic whose plans are read some thousand at a time, as `Evidence.solves` yields them."""
-    plans: tuple[str, ...]
+    plans: tuple[str, ...] = ()
     """Its fields that are."""
 
     @property
@@ -91,6 +91,8 @@ class Evidence:
 
     def solves(self, progress: Progress | None = None) -> Iterator[Columns]:
         """Yield the solver's messages, some thousand at a time."""
+        if self.topics.solves is None:
+            return
         for _, block in iter_columns(self.bag, [self.topics.solves], self.namespace, progress):
             yield block
 
