@@ -8,14 +8,32 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from spacecraft_gnc.parameters.parameter import MatrixRule, ParameterSpec
-from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
+from spacecraft_gnc.parameters.parameter import MatrixRule, ParameterSpec, specs_of
+from spacecraft_gnc.parameters.sections import (
+    DEFAULT_VEHICLE,
+    ControllerHost,
+    GovernorHost,
+    PlantHost,
+)
 from spacecraft_gnc.scenario.schema import ROLES, schema_of
 from spacecraft_gnc.vehicles import registry
+from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 ROOT = Path(__file__).resolve().parents[1]
 VEHICLE = registry.vehicle_of(DEFAULT_VEHICLE)
-SCHEMA = schema_of(VEHICLE)
+OTHERS = [
+    registry.vehicle_of(name)
+    for name in registry.own_names(registry.VEHICLES)
+    if name != DEFAULT_VEHICLE
+]
+HOSTS = {
+    "plant": (PlantHost,),
+    "nmpc_controller": (ControllerHost,),
+    "reference_governor": (GovernorHost,),
+}
+"""What every vehicle's section has."""
+_NAMES = ("method", "governor")
+"""Of these, those whose words are the vehicle's own."""
 PAGE = ROOT / "docs" / "scenario.md"
 
 HEAD = """\
@@ -102,19 +120,38 @@ Numbers are kept with 12 digits. Where a node alone knows no inertia, J = I.
 
 def page() -> str:
     """Return the text of docs/scenario.md."""
-    return "\n".join([HEAD, FORMULAS, *(_section(name) for name in ROLES)])
+    parts = [_section(VEHICLE, name) for name in ROLES]
+    return "\n".join([HEAD, FORMULAS, *parts, *map(_vehicle, OTHERS)])
 
 
-def _section(name: str) -> str:
+def _vehicle(vehicle: Vehicle) -> str:
+    """Return the tables of another vehicle: what is not as the default one has it."""
+    intro = (
+        f"## Vehicle `{vehicle.name}`\n\nA {vehicle.description}; "
+        f"[docs/{vehicle.name}.md]({vehicle.name}.md) explains the symbols. Beside these parameters "
+        "it has those that concern a node and not the vehicle: mode and pace, `variant`, period.\n"
+    )
+    return "\n".join([intro, *(_section(vehicle, name) for name in vehicle.sections)])
+
+
+def _section(vehicle: Vehicle, name: str) -> str:
+    schema = schema_of(vehicle)
+    elements = {field: ("<name>",) for field, _ in schema.named_groups(name)}
+    rows = schema.declarations(name, elements)
+    title = f"## `{name}`"
+    if vehicle is not VEHICLE:
+        shared = {s for host in HOSTS[name] for s in dict(specs_of(host)) if s not in _NAMES}
+        rows = tuple(row for row in rows if row.name not in shared)
+        title = f"### `{name}` of `{vehicle.name}`"
     lines = [
-        f"## `{name}`\n",
+        f"{title}\n",
         "| parameter | type | default | unit | admissible | meaning |",
         "|---|---|---|---|---|---|",
     ]
-    elements = {field: ("<name>",) for field, _ in SCHEMA.named_groups(name)}
-    for key, spec in SCHEMA.declarations(name, elements):
+    for key, spec in rows:
         cells = (
-            f"`{key}`", _type(spec), _default(spec), spec.unit, _admissible(spec), spec.description
+            f"`{key}`", _type(spec), _default(spec), spec.unit, _admissible(spec, vehicle),
+            spec.description,
         )  # fmt: skip
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines) + "\n"
@@ -130,12 +167,12 @@ def _default(spec: ParameterSpec) -> str:
     return "required" if spec.required else spec.formula or f"`{spec.default}`"
 
 
-def _admissible(spec: ParameterSpec) -> str:
+def _admissible(spec: ParameterSpec, vehicle: Vehicle) -> str:
     words = []
     if spec.choices:
         words.append(", ".join(spec.choices))
     if spec.plugins:
-        words.append(", ".join(registry.own_names(spec.plugins, VEHICLE)) + " or a plug-in")
+        words.append(", ".join(registry.own_names(spec.plugins, vehicle)) + " or a plug-in")
     if spec.matrix is not MatrixRule.NONE:
         words.append(spec.matrix.value)
     bounds = ((">=", spec.minimum), (">", spec.above), ("<=", spec.maximum), ("<", spec.below))
