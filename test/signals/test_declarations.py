@@ -13,11 +13,12 @@ from spacecraft_gnc.signals import graph
 from spacecraft_gnc.signals.signal import STEPPED, Signal
 from spacecraft_gnc.signals.structures import STRUCTURES, parse_kind
 from spacecraft_gnc.signals.type_hash import type_hash
-from spacecraft_gnc.vehicles.rigid_body import signals as rigid_body
+from spacecraft_gnc.vehicles.registry import VEHICLES, own_names, vehicle_of
 
 MESSAGES = Path(__file__).parents[2] / "msg_defs" / "msg"
 FIELD = re.compile(r"^(\S+)\s+([a-z]\w*)\s*(?:#.*?(?:\[(.*?)\]|$))?")
-EVERY = (*graph.SIGNALS, *rigid_body.SIGNALS)
+ROOMS = [vehicle_of(name).signals.load() for name in own_names(VEHICLES)]
+EVERY = tuple(dict.fromkeys([*graph.SIGNALS, *(signal for room in ROOMS for signal in room)]))
 OURS = [signal for signal in EVERY if signal.type.startswith("spacecraft_gnc_msgs/")]
 
 
