@@ -25,11 +25,12 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.arguments import as_count, as_limit, require_positive
-from spacecraft_gnc.arrays import as_finite, as_float, as_rows, as_shaped, listed
+from spacecraft_gnc.arrays import as_finite, as_rows, as_shaped, listed
 from spacecraft_gnc.dynamics.rigid_body import pack_inertia
-from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,
@@ -48,6 +49,12 @@ from spacecraft_gnc.vehicles.two_wheel._gyrostat_kernels import (
     propagate,
 )
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
+from spacecraft_gnc.vehicles.two_wheel.wheels import (
+    as_axes,
+    as_axial,
+    read_only_mask,
+    require_bus,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,9 +96,9 @@ class Gyrostat:
 
     def __post_init__(self) -> None:
         inertia = as_inertia("inertia", self.inertia)
-        axes = _as_axes(self.wheel_axes)
-        axial = _as_axial(self.wheel_inertias, axes.shape[1])
-        _require_bus(inertia, axes, axial)
+        axes = as_axes(self.wheel_axes)
+        axial = as_axial(self.wheel_inertias, axes.shape[1])
+        require_bus(inertia, axes, axial)
         limits = [as_limit(name, getattr(self, name)) for name in ("max_speed", "max_acceleration")]
         body = np.append(pack_inertia(inertia), [limit or math.inf for limit in limits])
         for name, value in (
@@ -130,7 +137,7 @@ class Gyrostat:
         speed = self._as_speed(wheel_speed)
         rate = as_vector3("angular_velocity", angular_velocity)
         momentum = rotation @ (self.inertia @ rate + self.wheels @ speed)
-        return WheelState(0, rotation, rate, speed, read_only(momentum))
+        return WheelState(0, rotation, rate, speed, read_only(momentum), self._all_healthy())
 
     def state_from_momentum(
         self, attitude: ArrayLike, total_momentum: ArrayLike, wheel_speed: ArrayLike
@@ -144,7 +151,7 @@ class Gyrostat:
         speed = self._as_speed(wheel_speed)
         momentum = as_vector3("total_momentum", total_momentum)
         rate = self.body[9:18].reshape(3, 3) @ (rotation.T @ momentum - self.wheels @ speed)
-        return WheelState(0, rotation, read_only(rate), speed, momentum)
+        return WheelState(0, rotation, read_only(rate), speed, momentum, self._all_healthy())
 
     def step(self, state: WheelState, acceleration: Array, substeps: int = 1) -> WheelState:
         """Advance by ``substeps`` time steps, with the wheel accelerations held.
@@ -175,7 +182,8 @@ class Gyrostat:
         done = advance(self.body, self.wheels, self.time_step, row, 0, command[None], 0, substeps)
         if done != substeps:
             self._fail(state.angular_velocity, state.wheel_speed)
-        return WheelState(state.step + 1, *_parts(read_only(row[0])), state.total_momentum)
+        parts = _parts(read_only(row[0]))
+        return WheelState(state.step + 1, *parts, state.total_momentum, state.healthy)
 
     def simulate(
         self, state: WheelState, accelerations: ArrayLike, n_steps: int | None = None
@@ -226,6 +234,9 @@ class Gyrostat:
         own = 0.5 * self.inertia @ rate + self.wheel_momentum(speed)
         return float(rate @ own + 0.5 * self.wheel_inertias @ speed**2)
 
+    def _all_healthy(self) -> NDArray[np.bool_]:
+        return read_only_mask(np.ones(self.n_wheels, dtype=bool))
+
     def _as_wheels(self, name: str, value: ArrayLike, unit: str) -> Array:
         return as_finite(name, value, (self.n_wheels,), f"{self.n_wheels} numbers [{unit}]")
 
@@ -258,43 +269,3 @@ def _parts(rows: Array) -> tuple[Array, Array, Array]:
     """Split rows (..., 15 + m) into attitude, body rate and wheel speed."""
     attitude = rows[..., :RATE].reshape(*rows.shape[:-1], 3, 3)
     return attitude, rows[..., RATE:MOMENTUM], rows[..., SPEED:]
-
-
-def _as_axes(value: ArrayLike) -> Array:
-    """Return unit axes (3, m), read-only."""
-    array = as_float("wheel_axes", value, "a 3 x m matrix")
-    if array.ndim != 2 or array.shape[0] != 3 or array.shape[1] < 1:
-        raise ShapeError(
-            f"wheel_axes: received an array of shape {array.shape}; required (3, m), one column "
-            "for each wheel; check the row order"
-        )
-    array = as_finite("wheel_axes", array, array.shape, "a 3 x m matrix")
-    lengths = np.linalg.norm(array, axis=0)
-    for i in np.flatnonzero(lengths < 1e-12):
-        raise ParameterError(
-            f"wheel_axes: received a column {i} of zeros; required the spin axis of each wheel; "
-            "remove the column"
-        )
-    return read_only(array / lengths)
-
-
-def _as_axial(value: ArrayLike, n_wheels: int) -> Array:
-    """Return positive axial inertias (m,), read-only."""
-    axial = as_finite("wheel_inertias", value, (n_wheels,), f"{n_wheels} numbers [kg m^2]")
-    if axial.min() <= 0.0:
-        raise ParameterError(
-            f"wheel_inertias: received {listed(axial)}; required positive numbers [kg m^2]; give "
-            "each wheel's inertia about its spin axis"
-        )
-    return axial
-
-
-def _require_bus(inertia: Matrix3, axes: Array, axial: Array) -> None:
-    """Raise ParameterError if the wheels have more axial inertia than all has together."""
-    least = float(np.linalg.eigvalsh(inertia - (axes * axial) @ axes.T)[0])
-    if least <= 0.0:
-        raise ParameterError(
-            f"wheel_inertias: received {listed(axial)} kg m^2, which leaves the bus a moment of "
-            f"{least:.6g} kg m^2; required a positive one; `inertia` is that of bus and locked "
-            "wheels together"
-        )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +11,15 @@ from numpy.typing import NDArray
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.arrays import as_finite, as_float, as_shaped, listed
 from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.attitude import POSE, pose_of
 from spacecraft_gnc.types import Array, ArrayLike, Invariants, Vector3
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
+from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
+from spacecraft_gnc.vehicles.two_wheel.signals import STATE, Accelerations, Motion
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
+from spacecraft_gnc.vehicles.two_wheel.wheels import read_only_mask
 
 
 class GyrostatPlant:
@@ -31,12 +38,16 @@ class GyrostatPlant:
     lost_at : (m,) array, optional
         Time [s] from which on a wheel holds its speed, whatever is commanded; infinity: never. It
         takes effect at the first control step that does not start before it.
+    pose_every : int
+        Control steps between two poses among the `outputs`; 0: none.
 
     Raises
     ------
     ShapeError, ParameterError
         If an argument is refused.
     """
+
+    flight = WheelFlight
 
     def __init__(
         self,
@@ -45,15 +56,20 @@ class GyrostatPlant:
         n_steps: int,
         substeps: int = 1,
         lost_at: ArrayLike | None = None,
+        *,
+        pose_every: int = 0,
     ) -> None:
         remedy = "lengthen the duration to one control period or more"
         self.gyrostat = require_kind("gyrostat", gyrostat, Gyrostat)
         self.substeps = as_count("substeps", substeps)
         self.period = self.substeps * gyrostat.time_step
         self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
-        self._initial = require_kind("initial", initial, WheelState)
+        require_kind("initial", initial, WheelState)
         as_shaped("initial.wheel_speed", initial.wheel_speed, (gyrostat.n_wheels,))
+        self._pose_every = pose_every
         self._lost_from = self._loss_steps(lost_at)
+        self._last_loss = max((k for k in self._lost_from if math.isfinite(k)), default=-1.0)
+        self._initial = self._told(initial)
         self._state = self._initial
 
     @property
@@ -64,7 +80,12 @@ class GyrostatPlant:
     @property
     def healthy(self) -> NDArray[np.bool_]:
         """Whether each wheel (m,) answers its command in the current control step."""
-        return np.asarray(self._state.step < self._lost_from)
+        return self._state.healthy
+
+    @property
+    def idle_control(self) -> Array:
+        """Accelerations (m,) [rad/s^2] where no command came: every wheel keeps its speed."""
+        return np.zeros(self.gyrostat.n_wheels)
 
     def step(self, acceleration: Array) -> WheelState:
         """Hold wheel accelerations (m,) [rad/s^2] for one control period; return the new state.
@@ -79,8 +100,20 @@ class GyrostatPlant:
             m = self.gyrostat.n_wheels
             command = as_finite("acceleration", acceleration, (m,), f"{m} numbers [rad/s^2]")
             acceleration = np.where(healthy, command, 0.0)
-        self._state = self.gyrostat.step(self._state, acceleration, self.substeps)
+        self._state = self._told(self.gyrostat.step(self._state, acceleration, self.substeps))
         return self._state
+
+    def outputs(self, applied: tuple[Array, Source]) -> list[tuple[Signal, Any]]:
+        """Return what a node publishes at the start of the current step, the state first.
+
+        ``applied``: accelerations (m,) [rad/s^2] and their source over the step that ended now.
+        """
+        state = self._state
+        motion = Motion(state, Accelerations(*applied), self.gyrostat.kinetic_energy(state))
+        told: list[tuple[Signal, Any]] = [(STATE, motion)]
+        if self._pose_every and state.step % self._pose_every == 0:
+            told.append((POSE, pose_of(state.attitude)))
+        return told
 
     def invariants(self) -> Invariants:
         """Energy, total inertial momentum and orthogonality error of the current state."""
@@ -102,6 +135,12 @@ class GyrostatPlant:
     def reset(self) -> None:
         """Return to the initial state."""
         self._state = self._initial
+
+    def _told(self, state: WheelState) -> WheelState:
+        """Return a state with what is true of its wheels."""
+        if state.step > self._last_loss:  # as in the step before
+            return state
+        return state._replace(healthy=read_only_mask(state.step < self._lost_from))
 
     def _loss_steps(self, lost_at: ArrayLike | None) -> Array:
         """Return the first step (m,) of which each wheel is lost; infinity: none."""

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 
@@ -23,3 +26,5 @@ class WheelState(NamedTuple):
     """(m,) spin of each wheel about its axis relative to the bus [rad/s]."""
     total_momentum: Vector3
     """(3,) of bus and wheels about the center of mass, inertial frame [N m s]."""
+    healthy: NDArray[np.bool_]
+    """(m,) whether each wheel answers its command in this step: the truth, which no law reads."""

@@ -11,8 +11,8 @@ from wheeled import ATTITUDE, ORTHOGONAL, PYRAMID, RATE, SPEEDS, afrl, momentum,
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.vehicles.two_wheel.controllers.feedback.law import WheelFeedback
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
-from spacecraft_gnc.vehicles.two_wheel.feedback import WheelFeedback
 from spacecraft_gnc.vehicles.two_wheel.metrics import summarize
 
 

@@ -13,8 +13,8 @@ from wheeled import AFRL_ACCELERATION, AFRL_SPEED, ORTHOGONAL, PYRAMID, afrl, sm
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.vehicles.two_wheel.controllers.feedback.law import WheelFeedback
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
-from spacecraft_gnc.vehicles.two_wheel.feedback import WheelFeedback
 from spacecraft_gnc.vehicles.two_wheel.metrics import summarize
 
 TARGET = lie.exp(np.array([0.4, -0.8, 1.2]))
@@ -28,7 +28,7 @@ def fly(gyrostat, law, state, n_steps, substeps=1):
         commands.append(law.acceleration(state, TARGET))
         state = gyrostat.step(state, commands[-1], substeps)
         states.append(state)
-    _, attitudes, rates, speeds, _ = map(np.array, zip(*states, strict=True))
+    _, attitudes, rates, speeds, *_ = map(np.array, zip(*states, strict=True))
     times = gyrostat.time_step * substeps * np.arange(n_steps + 1)
     return times, attitudes, rates, speeds, np.array(commands)
 

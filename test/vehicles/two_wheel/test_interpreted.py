@@ -22,7 +22,7 @@ state = gyrostat.state_from_rate(
 commands = np.random.default_rng(0).normal(scale=20.0, size=(100, 4))
 motion = gyrostat.simulate(state, commands)
 end = gyrostat.step(state, commands[0], 20)
-np.savez(sys.argv[1], *motion, *end)
+np.savez(sys.argv[1], *motion, *end[:5])
 """
 
 

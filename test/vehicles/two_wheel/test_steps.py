@@ -25,7 +25,6 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.errors import GncError, ParameterError, ShapeError
 from spacecraft_gnc.vehicles.two_wheel import _gyrostat_kernels as kernels
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
-from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
 
 def test_simulate_is_step_after_step():
@@ -47,7 +46,7 @@ def test_substeps_hold_the_command():
     for _ in range(7):
         state = gyrostat.step(state, command)
     assert once.step == 1
-    for one, other in zip(once[1:], state[1:], strict=True):
+    for one, other in zip(once[1:5], state[1:5], strict=True):
         assert np.abs(one - other).max() < 1e-13
 
 
@@ -130,7 +129,7 @@ def test_states_and_commands_are_checked():
     with pytest.raises(ParameterError, match="total_momentum"):
         gyrostat.state_from_momentum(np.eye(3), [0.0, math.inf, 0.0], np.zeros(3))
     for unknown in (np.full(3, math.nan), np.full(3, 1e3)):
-        wild = WheelState(0, ATTITUDE, unknown, np.zeros(3), unknown)
+        wild = good._replace(angular_velocity=unknown, total_momentum=unknown)
         with pytest.raises(ParameterError, match=r"quarter turn .* use a smaller time step"):
             gyrostat.step(wild, np.zeros(3))
         with pytest.raises(ParameterError, match="use a smaller time step"):

@@ -23,13 +23,12 @@ from numpy.typing import ArrayLike as AnyArray
 from numpy.typing import NDArray
 
 from spacecraft_gnc.arguments import require_kind, require_positive, shown
-from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.errors import ShapeError
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.types import Array, Matrix3, State, read_only
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
-
-_SPANS = 1e-6  # least singular value of the unit axes that counts as a direction
+from spacecraft_gnc.vehicles.two_wheel.wheels import read_only_mask, require_span
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +65,7 @@ class WheelFeedback:
         bandwidth = require_positive("bandwidth", self.bandwidth)
         damping = require_positive("damping_ratio", self.damping_ratio)
         healthy = _as_healthy(self.healthy, gyrostat.n_wheels)
-        _require_span(gyrostat.wheel_axes[:, healthy])
+        require_span(gyrostat.wheel_axes[:, healthy])
         nonstandard = 0.5 * np.trace(gyrostat.inertia) * np.eye(3) - gyrostat.inertia
         law = AttitudeFeedback(
             bandwidth**2 * nonstandard, 2.0 * damping * bandwidth, gyrostat.inertia
@@ -101,16 +100,4 @@ def _as_healthy(value: AnyArray | None, n_wheels: int) -> NDArray[np.bool_]:
         raise ShapeError(
             f"healthy: received {shown(value)}; required {n_wheels} bools; give one for each wheel"
         )
-    mask.setflags(write=False)
-    return mask
-
-
-def _require_span(axes: Array) -> None:
-    """Raise ParameterError if unit axes (3, m) span fewer than three dimensions."""
-    rank = int(np.linalg.matrix_rank(axes, tol=_SPANS)) if axes.size else 0
-    if rank < 3:
-        raise ParameterError(
-            f"wheel_axes: received {axes.shape[1]} healthy wheel(s) whose axes span {rank} "
-            "dimension(s); required 3, else no torque about some axis can be had; add a wheel, or "
-            "use a method for two wheels"
-        )
+    return read_only_mask(mask)

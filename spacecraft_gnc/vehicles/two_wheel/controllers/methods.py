@@ -1,0 +1,18 @@
+"""Methods of a spacecraft with wheels, and the section of the scenario file that they read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from spacecraft_gnc.vehicles.two_wheel.controllers import feedback
+from spacecraft_gnc.vehicles.two_wheel.controllers.feedback import FeedbackParameters
+from spacecraft_gnc.vehicles.two_wheel.parameters.common import CommonParameters
+from spacecraft_gnc.vehicles.vehicle import Method
+
+METHODS: Final[tuple[Method, ...]] = (feedback.METHOD,)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ControllerParameters(FeedbackParameters, CommonParameters):
+    """Section ``nmpc_controller``: what every method reads, and what each one adds."""

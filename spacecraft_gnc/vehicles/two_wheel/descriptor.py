@@ -1,0 +1,40 @@
+"""Descriptor of the spacecraft with wheels: what the rest of the package asks it for."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from spacecraft_gnc.lazy import Lazy
+from spacecraft_gnc.parameters.attitude import TargetParameters
+from spacecraft_gnc.vehicles.two_wheel.controllers.methods import METHODS, ControllerParameters
+from spacecraft_gnc.vehicles.two_wheel.governors import LAWS
+from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
+from spacecraft_gnc.vehicles.vehicle import Vehicle
+
+
+def _lazy(target: str) -> Lazy:
+    return Lazy(f"{__package__}.{target}")
+
+
+VEHICLE: Final = Vehicle(
+    name="two_wheel",
+    description="spacecraft turned by reaction wheels",
+    sections={
+        "plant": PlantParameters,
+        "nmpc_controller": ControllerParameters,
+        "reference_governor": TargetParameters,
+    },
+    methods=METHODS,
+    governors=LAWS,
+    plant=_lazy("build:plant"),
+    checks=_lazy("checks:check"),
+    defaults=_lazy("parameters.defaults:formulas"),
+    flight=_lazy("flight:WheelFlight"),
+    columns=_lazy("recorded:read_recorded"),
+    facts=_lazy("facts:facts"),
+    warmup=_lazy("warmup:WARMUP"),
+    metrics=_lazy("summary:metrics"),
+    summary=_lazy("summary:lines"),
+    signals=_lazy("signals:SIGNALS"),
+    outputs=_lazy("outputs:Outputs"),
+)

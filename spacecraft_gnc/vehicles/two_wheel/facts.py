@@ -1,0 +1,69 @@
+"""What ``gnc check`` says of a scenario of a spacecraft with wheels; loads no kernel."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
+from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
+
+
+def facts(scenario: Scenario, expected: Outlook) -> Facts:
+    """Return what a scenario would fly."""
+    del expected
+    p, c, m = scenario.plant, scenario.controller, scenario.plant.wheel_inertias.size
+    moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(p.inertia))
+    error = math.degrees(
+        _angle(_start(scenario), _rotation(scenario.governor.target_rotation_vector))
+    )
+    rate = float(np.linalg.norm(p.initial_angular_velocity))
+    speed = float(np.abs(p.initial_wheel_speed).max(initial=0.0))
+    limits = (
+        ("speed", p.max_wheel_speed, "rad/s"),
+        ("acceleration", p.max_wheel_acceleration, "rad/s^2"),
+    )
+    kept = [f"{what} {value:g} {unit}" for what, value, unit in limits if value]
+    lost = [f"{i} at {t:g} s" for i, t in enumerate(p.wheel_lost_at.tolist()) if t >= 0.0]
+    return Facts(
+        body=f"principal moments {moments} kg m^2, {m} wheels",
+        start=f"{error:.4g} deg from the target, bus at {rate:g} rad/s, wheels up to {speed:g} "
+        "rad/s",
+        controller=f"bandwidth {c.feedback_bandwidth:g} rad/s, damping ratio "
+        f"{c.feedback_damping_ratio:g}",
+        rows=(
+            ("wheel limits", ", ".join(kept) or "none"),
+            ("wheels lost", ", ".join(lost) or "none"),
+        ),
+        numbers={
+            "initial_error_deg": error,
+            "wheels": m,
+            "max_wheel_speed": p.max_wheel_speed,
+            "max_wheel_acceleration": p.max_wheel_acceleration,
+        },
+    )
+
+
+def _start(scenario: Scenario) -> Matrix3:
+    angles = scenario.plant.initial_euler_321
+    if np.isfinite(angles).all():
+        return from_euler_321(angles)
+    return _rotation(scenario.plant.initial_rotation_vector)
+
+
+def _rotation(vector: Array) -> Matrix3:
+    """Return the rotation (3, 3) of a rotation vector, by Rodrigues' formula."""
+    angle = float(np.linalg.norm(vector))
+    x, y, z = vector
+    hat = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    half = np.sinc(0.5 * angle / math.pi)
+    return np.asarray(np.eye(3) + np.sinc(angle / math.pi) * hat + 0.5 * half**2 * hat @ hat)
+
+
+def _angle(one: Matrix3, other: Matrix3) -> float:
+    """Return the angle between two attitudes [rad], by the length of the chord."""
+    chord = float(np.linalg.norm(one - other)) / math.sqrt(8.0)
+    return 2.0 * math.asin(min(1.0, chord))

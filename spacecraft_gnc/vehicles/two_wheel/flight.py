@@ -1,0 +1,100 @@
+"""The record of a flight of a spacecraft with wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import NDArray
+
+from spacecraft_gnc.loop.flight import Flight, Step, column, final
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
+
+
+def _reported(name: str) -> Callable[[Step], Any]:
+    """Return what reads an attribute of the method's report; None where there is none."""
+    return lambda step: getattr(step.command.report, name, None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class WheelFlight(Flight):
+    """Arrays of a flight: row k belongs to control step k, ``final_*`` to the end of the last step.
+
+    Attributes
+    ----------
+    attitude : (n, 3, 3) array
+        Rotation, body to inertial.
+    angular_velocity : (n, 3) array
+        Rate of the bus, body frame [rad/s].
+    euler_321 : (n, 3) array
+        Roll, pitch, yaw [rad].
+    wheel_speed : (n, m) array
+        Relative to the bus [rad/s].
+    wheel_acceleration : (n, m) array
+        Commanded, relative to the bus [rad/s^2].
+    total_momentum : (n, 3) array
+        Of bus and wheels, inertial frame [N m s].
+    healthy : (n, m) array of bool
+        Whether each wheel answers its command.
+    reference, target : (n, 3, 3) arrays
+        Attitude tracked, and attitude that the governor is asked for, body to inertial.
+    status, source, iterations : (n,) arrays of int
+        Of the command: `Command.status` and iterations of the method's report, -1 and 0 without
+        one; `loop.Source`.
+    residual, solve_time : (n,) arrays
+        Of the method's report; NaN without one.
+    final_attitude, final_angular_velocity, final_wheel_speed : arrays
+        State at the end of the flight.
+    """
+
+    attitude: Array = column(
+        lambda step: step.state.attitude, (3, 3), carried_by="wheel_state/attitude"
+    )
+    angular_velocity: Array = column(
+        lambda step: step.state.angular_velocity, (3,), carried_by="wheel_state/angular_velocity"
+    )
+    euler_321: Array = column(lambda step: to_euler_321(step.state.attitude), (3,))
+    wheel_speed: Array = column(
+        lambda step: step.state.wheel_speed, (-1,), carried_by="wheel_state/wheel_speed"
+    )
+    wheel_acceleration: Array = column(
+        lambda step: step.command.control, (-1,), carried_by="wheel_command/acceleration"
+    )
+    total_momentum: Array = column(
+        lambda step: step.state.total_momentum, (3,), carried_by="wheel_state/total_momentum"
+    )
+    healthy: NDArray[Any] = column(
+        lambda step: step.state.healthy, (-1,), carried_by="wheel_state/healthy", missing=True
+    )
+    reference: Array = column(
+        lambda step: step.decision.reference.attitude,
+        (3, 3),
+        carried_by="attitude_reference/attitude",
+    )
+    target: Array = column(lambda step: step.target, (3, 3), carried_by="target_attitude/attitude")
+    status: NDArray[Any] = column(lambda step: step.command.status, missing=-1)
+    source: NDArray[Any] = column(
+        lambda step: step.command.source, carried_by="wheel_command/source", missing=-1
+    )
+    iterations: NDArray[Any] = column(_reported("iterations"), missing=0)
+    residual: Array = column(_reported("residual"))
+    solve_time: Array = column(_reported("solve_time"))
+    final_attitude: Array = final(
+        lambda end: end.state.attitude, (3, 3), carried_by="wheel_state/attitude"
+    )
+    final_angular_velocity: Array = final(
+        lambda end: end.state.angular_velocity, (3,), carried_by="wheel_state/angular_velocity"
+    )
+    final_wheel_speed: Array = final(
+        lambda end: end.state.wheel_speed, (-1,), carried_by="wheel_state/wheel_speed"
+    )
+
+    def __repr__(self) -> str:
+        """Return the flight in one line."""
+        m = self.wheel_speed.shape[1]
+        return (
+            f"Flight({self.n_steps} steps of {self.period:g} s, "
+            f"{self.n_steps * self.period:g} s in all, {m} wheels)"
+        )

@@ -1,0 +1,1 @@
+"""Parameters of a spacecraft with wheels, and the defaults that follow from them."""

@@ -1,0 +1,102 @@
+"""Summary of a flight of a spacecraft with wheels, in numbers and in words."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.metrics import SETTLED_ANGLE, SETTLED_RATE, summarize
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
+    from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+
+
+def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, Any]:
+    """Return the metrics of a flight, ready for JSON.
+
+    Returns
+    -------
+    dict
+        ``steps``, ``missing_steps`` (lost by the recording), ``period`` and ``duration`` [s], those
+        of `metrics.summarize`, ``max_wheel_speed_limit`` and ``max_wheel_acceleration_limit`` (None
+        where there is none, or no scenario), ``momentum_drift`` (largest change of the total
+        momentum [N m s]), ``sources`` (steps by source), ``fallback_steps``,
+        ``limits_exceeded`` (none: a wheel saturates), ``solve_time_median``, ``_p99``, ``_max`` [s]
+        (None where nothing is solved).
+    """
+    n = flight.n_steps
+    times, attitude, rate, speed = states(flight)
+    known = [flight.attitude.reshape(n, 9), flight.angular_velocity, flight.wheel_acceleration]
+    sources = Counter(flight.source.tolist())
+    solve_time = flight.solve_time[np.isfinite(flight.solve_time)]
+    quantiles = {"median": 0.5, "p99": 0.99, "max": 1.0}
+    healthy = np.vstack([flight.healthy, flight.healthy[-1:]])
+    target = flight.target[-1]
+    return {
+        "steps": n,
+        "missing_steps": int(np.count_nonzero(np.isnan(np.hstack(known)).any(axis=1))),
+        "period": float(flight.period),
+        "duration": float(times[-1]),
+        **summarize(times, attitude, rate, speed, flight.wheel_acceleration, target, healthy),
+        "max_wheel_speed_limit": (scenario and scenario.plant.max_wheel_speed) or None,
+        "max_wheel_acceleration_limit": (
+            (scenario and scenario.plant.max_wheel_acceleration) or None
+        ),
+        "momentum_drift": _drift(flight.total_momentum),
+        "sources": {_named(source): count for source, count in sorted(sources.items())},
+        "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
+        "limits_exceeded": [],
+        **{
+            f"solve_time_{name}": float(np.quantile(solve_time, q)) if solve_time.size else None
+            for name, q in quantiles.items()
+        },
+    }
+
+
+def states(flight: WheelFlight) -> tuple[Array, Array, Array, Array]:
+    """Return times (n + 1,), attitudes, rates and wheel speeds of the states, the last included."""
+    end = flight.time[-1] + flight.period
+    return (
+        np.append(flight.time, end),
+        np.concatenate([flight.attitude, flight.final_attitude[None]]),
+        np.vstack([flight.angular_velocity, flight.final_angular_velocity]),
+        np.vstack([flight.wheel_speed, flight.final_wheel_speed]),
+    )
+
+
+def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return the lines of a flight's summary, label and text, from its metrics."""
+    error, settled, lost = m["final_error_deg"], m["settle_time"], m["wheel_lost_at"]
+    rows = [
+        ("error at the end", "unknown" if error is None else f"{error:.5g} deg to the target"),
+        (
+            f"under {SETTLED_ANGLE:g} rad, {SETTLED_RATE:g} rad/s for good",
+            "never" if settled is None else f"from {settled:g} s",
+        ),
+        ("largest wheel speed", _beside_limit(m, "max_wheel_speed", "rad/s")),
+        ("largest acceleration", _beside_limit(m, "max_wheel_acceleration", "rad/s^2")),
+        ("drift of the momentum", f"{m['momentum_drift']:.2g} N m s"),
+        ("command from", ", ".join(f"{name} {count}" for name, count in m["sources"].items())),
+    ]
+    return rows if lost is None else [*rows, ("wheel lost", f"at {lost:g} s")]
+
+
+def _beside_limit(m: dict[str, Any], name: str, unit: str) -> str:
+    value, limit = m[name], m[f"{name}_limit"]
+    text = "unknown" if value is None else f"{value:.6g} {unit}"
+    return f"{text}, no limit" if limit is None else f"{text}, limit {limit:g} {unit}"
+
+
+def _drift(momentum: Array) -> float:
+    known = momentum[np.isfinite(momentum).all(axis=1)]
+    return float(np.linalg.norm(known - known[0], axis=1).max()) if len(known) else 0.0
+
+
+def _named(source: int) -> str:
+    known = 0 <= source < len(Source)
+    return Source(source).name.lower().replace("_", " ") if known else "unknown"
