@@ -8,9 +8,8 @@ number of the control step that it starts.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from spacecraft_gnc.loop.flight import Flight
 from spacecraft_gnc.signals.signal import Signal
@@ -53,8 +52,7 @@ class Source(IntEnum):
         return self in (Source.SHIFTED_PLAN, Source.FEEDBACK, Source.ZERO)
 
 
-@dataclass(frozen=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """Control for one step, and where it comes from."""
 
     control: Any

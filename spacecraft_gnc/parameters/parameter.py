@@ -92,6 +92,9 @@ class ParameterSpec:
     formula: str = ""
     """How the default follows from other values, in words; `defaults` works it out in a scenario.
     Where there is none, ``default`` stands for it."""
+    is_neutral: bool = False
+    """Whether the default changes no flight: a fingerprint then leaves it out, and is what it was
+    before the parameter existed."""
     otherwise: str = ""
     """Parameter, ``section.name``, whose value counts where this one has its default."""
     read_only: bool = True

@@ -17,9 +17,15 @@ LARGEST_SEED = 2**63 - 1
 class SeedParameters(NodeParameters):
     """What all random numbers of a section depend on."""
 
-    seed: int = parameter(Kind.INTEGER, 0, "master seed of all random numbers", minimum=0)
+    seed: int = parameter(
+        Kind.INTEGER, 0, "master seed of all random numbers", minimum=0, is_neutral=True
+    )
     run: int = parameter(
-        Kind.INTEGER, 0, "run of a campaign: other random numbers of the same seed", minimum=0
+        Kind.INTEGER,
+        0,
+        "run of a campaign: other random numbers of the same seed",
+        minimum=0,
+        is_neutral=True,
     )
 
 

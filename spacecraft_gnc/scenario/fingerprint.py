@@ -1,7 +1,8 @@
 """Fingerprint of a scenario, and the values in which two scenarios differ.
 
 It is made of every value that decides the flight, defaults included, so that a file, the same file
-with its defaults written out and what a bag holds of either have one fingerprint.
+with its defaults written out and what a bag holds of either have one fingerprint. Defaults that
+change nothing (`ParameterSpec.is_neutral`) are left out.
 """
 
 from __future__ import annotations
@@ -47,8 +48,14 @@ def flown_values(scenario: Scenario) -> dict[str, str]:
         f"{section}.{name}": _emitted(scenario, section, name, value)
         for section in sorted(FLOWN)
         for name, value in sorted(scenario.values.get(section, {}).items())
-        if name not in _SET_BY_LAUNCHER
+        if name not in _SET_BY_LAUNCHER and not _says_nothing(scenario, section, name, value)
     }
+
+
+def _says_nothing(scenario: Scenario, section: str, name: str, value: Value) -> bool:
+    """Tell whether a value is a default with which the flight is that of before it existed."""
+    spec = scenario.schema.spec_of(section, name, value)
+    return spec is not None and spec.is_neutral and value == spec.default
 
 
 def _emitted(scenario: Scenario, section: str, name: str, value: Value) -> str:

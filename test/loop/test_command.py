@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -30,7 +28,7 @@ def test_the_status_is_that_of_the_solve(build):
 def test_a_standstill_overrides_it(build, escaping, status):
     command = build().controller.command(REST, TARGET)
     report = command.report._replace(standstill=STUCK._replace(escaping=escaping))
-    assert replace(command, report=report).status is status
+    assert command._replace(report=report).status is status
 
 
 def test_without_a_solve_there_is_no_status():
@@ -43,7 +41,7 @@ def test_the_record_keeps_the_status_of_the_command(build, monkeypatch):
     def command(self, state, reference):
         found = solve(self, state, reference)
         stuck = found.report._replace(standstill=STUCK)
-        return replace(found, report=[found.report, stuck, SolveReport(None)][state.step])
+        return found._replace(report=[found.report, stuck, SolveReport(None)][state.step])
 
     monkeypatch.setattr(ShootingController, "command", command)
     flown = build(3).run()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -64,7 +63,7 @@ def test_a_solve(solved: Command) -> None:
 def test_a_standstill(solved: Command, escaping: bool) -> None:
     solution = solution_of(solved)
     report = SolveReport(solution, Standstill(1.5, escaping, "star"))
-    message = decoded(replace(solved, report=report))
+    message = decoded(solved._replace(report=report))
     assert message.status == (SolverStatus.ESCAPING if escaping else SolverStatus.STALLED)
     assert message.closed_loop_radius == 1.5
     assert message.active_constraint == "star"

@@ -61,3 +61,13 @@ def test_a_parameter_that_one_of_them_lacks_is_named():
     told = {str(difference) for difference in found}
     assert "nmpc_controller.zones.star.half_angle_deg: - / 5.0" in told
     assert "nmpc_controller.zone_names: [] / [star]" in told
+
+
+def test_a_parameter_that_came_later_leaves_the_fingerprint_of_recorded_flights():
+    """Its default says nothing new; another value does."""
+    assert fingerprint(CASE1) == "c727be382435"  # of bags recorded before there were disturbances
+    disturbed = ["plant.disturbances=[constant]", "plant.constant_torque=[1.0e-5, 0.0, 0.0]"]
+    other = load("gupta2015_case1", disturbed)
+    assert fingerprint(other) != fingerprint(CASE1)
+    names = [difference.name for difference in differences(CASE1, other)]
+    assert names == ["plant.constant_torque", "plant.disturbances"]

@@ -24,6 +24,7 @@ class ConstantParameters(NodeParameters):
         shape=(3,),
         may_be_empty=True,
         **WITHIN,
+        is_neutral=True,
     )
 
 

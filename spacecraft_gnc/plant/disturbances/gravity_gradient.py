@@ -36,6 +36,7 @@ class GravityGradientParameters(NodeParameters):
         unit="rad/s",
         minimum=0.0,
         maximum=1e3,
+        is_neutral=True,
     )
     orbit_normal: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -44,6 +45,7 @@ class GravityGradientParameters(NodeParameters):
         shape=(3,),
         nonzero=True,
         **WITHIN,
+        is_neutral=True,
     )
     orbit_position: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
@@ -53,6 +55,7 @@ class GravityGradientParameters(NodeParameters):
         shape=(3,),
         nonzero=True,
         **WITHIN,
+        is_neutral=True,
     )
 
 

@@ -30,6 +30,7 @@ class NoiseParameters(SeedParameters):
         may_be_empty=True,
         minimum=0.0,
         maximum=LARGEST,
+        is_neutral=True,
     )
 
 

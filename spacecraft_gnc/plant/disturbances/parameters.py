@@ -34,4 +34,5 @@ class DisturbanceParameters(NoiseParameters, GravityGradientParameters, Constant
         shape=(-1,),
         may_be_empty=True,
         unique=True,
+        is_neutral=True,
     )
