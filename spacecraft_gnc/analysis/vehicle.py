@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from spacecraft_gnc.errors import ParameterError, RecordingError
@@ -38,6 +39,23 @@ def part(name: str, scenario: Scenario | None = None) -> Any:
             "does not have; required a vehicle with that part; see docs/architecture.md"
         )
     return found.load()
+
+
+def common_part(name: str, scenarios: Sequence[Scenario | None]) -> Any:
+    """Return, likewise, the part that draws several runs beside each other.
+
+    Raises
+    ------
+    ParameterError
+        If they are of different vehicles.
+    """
+    vehicles = dict.fromkeys(DEFAULT_VEHICLE if s is None else s.vehicle.name for s in scenarios)
+    if len(vehicles) > 1:
+        raise ParameterError(
+            f"runs: received flights of vehicles {', '.join(vehicles)}; required flights of one; "
+            "give them one vehicle at a time, or one spacecraft of a bag with --namespace"
+        )
+    return part(name, scenarios[0])
 
 
 def require_vehicle(bag: Bag) -> None:

@@ -127,7 +127,7 @@ def plot(
     from spacecraft_gnc.analysis.reader import load_run
     from spacecraft_gnc.analysis.run_info import UNKNOWN_SCENARIO
     from spacecraft_gnc.analysis.run_names import run_names
-    from spacecraft_gnc.analysis.vehicle import part
+    from spacecraft_gnc.analysis.vehicle import common_part
 
     given = given_scenario(scenario)
     require_folder(out)
@@ -147,7 +147,9 @@ def plot(
         if animate is not None:
             progress(0, 1, "drawing the moving picture")
             heading = " and ".join(named) if title is None else title
-            part("figures", runs[0].scenario).animate(runs, animate, title=heading)
+            common_part("figures", [run.scenario for run in runs]).animate(
+                runs, animate, title=heading
+            )
             files = [animate]
         else:
             makers = _makers(runs, title, error_scale.value)
@@ -202,9 +204,9 @@ def _drawn(
 
 def _makers(runs: list[Flown], title: str | None, error_scale: str) -> dict[str, Maker]:
     """Return what draws each figure, by name."""
-    from spacecraft_gnc.analysis.vehicle import part
+    from spacecraft_gnc.analysis.vehicle import common_part
 
-    figures: VehicleFigures = part("figures", runs[0].scenario)
+    figures: VehicleFigures = common_part("figures", [run.scenario for run in runs])
     if len(runs) > 1:
         return figures.comparison(runs, error_scale=error_scale)
     heading = runs[0].name if title is None else title

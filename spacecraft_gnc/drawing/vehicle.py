@@ -28,7 +28,10 @@ class VehicleReport(Protocol):
     def telemetry(
         self, flight: Any, scenario: Any, bag: Bag | None, namespace: str | None = None
     ) -> Any:
-        """Return what a flight tells beside its arrays; ``bag``: that it was read from."""
+        """Return what a flight tells beside its arrays; ``bag``: that it was read from.
+
+        The result has ``missed_deadlines``, commands that came too late; None: no free run.
+        """
 
     def warnings(self, run: Any) -> Iterable[str]:
         """Return what a reader should know before trusting the curves, one line each."""

@@ -14,10 +14,8 @@ from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.figures import save_figures
 from spacecraft_gnc.drawing.sources import NOT_RECORDED, stretches
 from spacecraft_gnc.vehicles.rigid_body import series
-from spacecraft_gnc.vehicles.rigid_body.pictures.figures_record import (
-    comparison_makers,
-    record_makers,
-)
+from spacecraft_gnc.vehicles.rigid_body.pictures.comparison import comparison_makers
+from spacecraft_gnc.vehicles.rigid_body.pictures.figures import record_makers
 from spacecraft_gnc.vehicles.rigid_body.telemetry import computed
 
 FLOWN = case1()

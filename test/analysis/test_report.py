@@ -8,6 +8,7 @@ import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.drawing.chart import Chart
 from spacecraft_gnc.drawing.sources import stretches
 from spacecraft_gnc.drawing.table import difference, rounded
+from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.vehicles.rigid_body import series
 
@@ -366,3 +368,11 @@ def test_columns_end_alike(shapes: str, expected: str) -> None:
     assert "".join("w" if c.wide else "t" if c.tall else "s" for c in done) == expected
     assert [chart.tall for chart in done] == [chart.tall for chart in charts]
     assert [chart.name for chart in done] == [chart.name for chart in charts]
+
+
+def test_runs_of_different_vehicles_are_refused(tmp_path):
+    """They have no diagram in common."""
+    one = read_run(bag(tmp_path / "one"), "one")
+    wheels = SimpleNamespace(vehicle=SimpleNamespace(name="two_wheel"))
+    with pytest.raises(ParameterError, match=r"vehicles rigid_body, two_wheel; required flights"):
+        report_html([one, replace(one, name="other", scenario=wheels)])

@@ -13,7 +13,7 @@ from typing import Any, Final
 from spacecraft_gnc import __version__
 from spacecraft_gnc.analysis.report import tables
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.vehicle import part
+from spacecraft_gnc.analysis.vehicle import common_part
 from spacecraft_gnc.drawing.chart import Chart
 from spacecraft_gnc.drawing.envelope import budget, per_interval
 from spacecraft_gnc.drawing.vehicle import VehicleReport
@@ -38,7 +38,7 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
         Heading; default: the names of the runs.
     """
     points = budget(len(runs))
-    vehicle: VehicleReport = part("report", runs[0].scenario)
+    vehicle: VehicleReport = common_part("report", [run.scenario for run in runs])
     charts = list(vehicle.charts(runs, points))
     view, note = vehicle.scene(runs, points)
     heading = html.escape(title or ", ".join(run.name for run in runs))

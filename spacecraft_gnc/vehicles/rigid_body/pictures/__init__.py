@@ -8,11 +8,8 @@ from typing import Final
 
 from spacecraft_gnc.drawing.figures import Maker
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
-from spacecraft_gnc.vehicles.rigid_body.pictures.figures import flight_makers
-from spacecraft_gnc.vehicles.rigid_body.pictures.figures_record import (
-    comparison_makers,
-    record_makers,
-)
+from spacecraft_gnc.vehicles.rigid_body.pictures.comparison import comparison_makers
+from spacecraft_gnc.vehicles.rigid_body.pictures.figures import flight_makers, record_makers
 
 
 class RigidBodyFigures:

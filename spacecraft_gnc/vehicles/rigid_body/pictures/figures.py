@@ -1,24 +1,31 @@
-"""Publication figures of one flight."""
+"""Publication figures of one flight: its motion, and what was recorded beside it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Draw, Maker, stacked
+from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+from spacecraft_gnc.vehicles.rigid_body.pictures import telemetry as telemetry_panels
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+    from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
 
 _SQUARE = (5.2, 5.6)
 _OVERVIEW = (11.0, 8.6)
+_BAND: Final = (6.3, 1.7)  # [inch]
+_TRIPLE: Final = (6.3, 7.4)  # [inch]
 
 
 def flight_figures(
@@ -110,3 +117,67 @@ def _overview(draw: Mapping[str, Draw], title: str) -> Figure:
         if title:
             figure.suptitle(title, fontsize=12, fontweight="bold")
         return figure
+
+
+def record_makers(
+    trajectory: Trajectory, telemetry: Telemetry, scenario: Scenario | None = None
+) -> dict[str, Maker]:
+    """Return what draws each figure of a recording.
+
+    Parameters
+    ----------
+    trajectory, telemetry
+        What was flown and recorded.
+    scenario
+        Gives tolerance and deadline.
+
+    Returns
+    -------
+    dict
+        By name: ``quaternion``, ``roll_pitch_yaw``, ``rotation_vector``, ``sources``,
+        ``invariants``; ``residual``, ``solve_times``, ``curvature``, ``radius`` and
+        ``governor_margin`` where there is something to show.
+    """
+    makers: dict[str, Maker] = {
+        form.name: partial(single, SINGLE, telemetry_panels.representation, trajectory, form)
+        for form in forms.REPRESENTATIONS
+    }
+    makers["sources"] = partial(single, _BAND, telemetry_panels.sources, {"": trajectory})
+    makers["invariants"] = lambda: stacked(
+        _TRIPLE,
+        lambda axes: telemetry_panels.kinetic_energy(axes, trajectory, telemetry),
+        lambda axes: telemetry_panels.inertial_momentum(axes, trajectory, telemetry),
+        lambda axes: telemetry_panels.orthogonality(axes, trajectory, telemetry),
+    )
+    tolerance = scenario.controller.residual_tolerance if scenario is not None else None
+    times = {"solves": trajectory.solve_time}
+    deadline = series.solve_deadline(scenario)
+    optional: dict[str, tuple[Array, Maker]] = {
+        "residual": (
+            trajectory.residual,
+            partial(single, SINGLE, telemetry_panels.residual, trajectory, tolerance),
+        ),
+        "solve_times": (
+            trajectory.solve_time,
+            partial(single, SINGLE, telemetry_panels.solve_times, times, deadline),
+        ),
+        "curvature": (
+            telemetry.min_curvature,
+            partial(single, SINGLE, telemetry_panels.curvature, trajectory, telemetry),
+        ),
+        "radius": (
+            telemetry.closed_loop_radius,
+            partial(single, SINGLE, telemetry_panels.radius, trajectory, telemetry),
+        ),
+        "governor_margin": (
+            trajectory.governor_margin,
+            partial(single, SINGLE, telemetry_panels.governor_margin, trajectory),
+        ),
+    }
+    found = {name: make for name, (values, make) in optional.items() if np.isfinite(values).any()}
+    return makers | found
+
+
+def single(size: tuple[float, float], panel: Callable[..., None], *arguments: Any) -> Figure:
+    """Return a figure of one panel, drawn with these arguments."""
+    return stacked(size, lambda axes: panel(axes, *arguments))

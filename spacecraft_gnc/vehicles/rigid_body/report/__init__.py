@@ -13,7 +13,7 @@ from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
 from spacecraft_gnc.vehicles.rigid_body.report.motion import motion_charts
-from spacecraft_gnc.vehicles.rigid_body.report.record import invariant_charts, source_chart
+from spacecraft_gnc.vehicles.rigid_body.report.plant import invariant_charts, source_chart
 from spacecraft_gnc.vehicles.rigid_body.report.rows import ROWS
 from spacecraft_gnc.vehicles.rigid_body.report.solver import solver_charts
 from spacecraft_gnc.vehicles.rigid_body.scenario import reservation

@@ -1,91 +1,27 @@
-"""Figures of what was recorded beside the motion, and of several flights over each other."""
+"""Figures of several flights over each other."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.axes import TIME_LABEL, legend_below
-from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Maker, stacked
+from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Maker
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
-from spacecraft_gnc.vehicles.rigid_body.pictures import record as panels
+from spacecraft_gnc.vehicles.rigid_body.pictures import telemetry as panels
+from spacecraft_gnc.vehicles.rigid_body.pictures.figures import single
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from spacecraft_gnc.loop.trajectory import Trajectory
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
-    from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
-
-_BAND: Final = (6.3, 1.7)  # [inch]
-_TRIPLE: Final = (6.3, 7.4)  # [inch]
-
-
-def record_makers(
-    trajectory: Trajectory, telemetry: Telemetry, scenario: Scenario | None = None
-) -> dict[str, Maker]:
-    """Return what draws each figure of a recording.
-
-    Parameters
-    ----------
-    trajectory, telemetry
-        What was flown and recorded.
-    scenario
-        Gives tolerance and deadline.
-
-    Returns
-    -------
-    dict
-        By name: ``quaternion``, ``roll_pitch_yaw``, ``rotation_vector``, ``sources``,
-        ``invariants``; ``residual``, ``solve_times``, ``curvature``, ``radius`` and
-        ``governor_margin`` where there is something to show.
-    """
-    makers: dict[str, Maker] = {
-        form.name: partial(_drawn, SINGLE, panels.representation, trajectory, form)
-        for form in forms.REPRESENTATIONS
-    }
-    makers["sources"] = partial(_drawn, _BAND, panels.sources, {"": trajectory})
-    makers["invariants"] = lambda: stacked(
-        _TRIPLE,
-        lambda axes: panels.kinetic_energy(axes, trajectory, telemetry),
-        lambda axes: panels.inertial_momentum(axes, trajectory, telemetry),
-        lambda axes: panels.orthogonality(axes, trajectory, telemetry),
-    )
-    tolerance = scenario.controller.residual_tolerance if scenario is not None else None
-    times = {"solves": trajectory.solve_time}
-    deadline = series.solve_deadline(scenario)
-    optional: dict[str, tuple[Array, Maker]] = {
-        "residual": (
-            trajectory.residual,
-            partial(_drawn, SINGLE, panels.residual, trajectory, tolerance),
-        ),
-        "solve_times": (
-            trajectory.solve_time,
-            partial(_drawn, SINGLE, panels.solve_times, times, deadline),
-        ),
-        "curvature": (
-            telemetry.min_curvature,
-            partial(_drawn, SINGLE, panels.curvature, trajectory, telemetry),
-        ),
-        "radius": (
-            telemetry.closed_loop_radius,
-            partial(_drawn, SINGLE, panels.radius, trajectory, telemetry),
-        ),
-        "governor_margin": (
-            trajectory.governor_margin,
-            partial(_drawn, SINGLE, panels.governor_margin, trajectory),
-        ),
-    }
-    found = {name: make for name, (values, make) in optional.items() if np.isfinite(values).any()}
-    return makers | found
 
 
 def comparison_makers(
@@ -117,7 +53,7 @@ def comparison_makers(
         "attitude_error": over(errors, "Attitude error", "angle [deg]", scale=error_scale),
         "momentum": over(norms, "Angular momentum", f"|momentum| [{unit.label}]"),
         "torque": over(torques, "Torque norm", f"|torque| [{torque_unit.label}]"),
-        "sources": partial(_drawn, DOUBLE, panels.sources, flights),
+        "sources": partial(single, DOUBLE, panels.sources, flights),
     }
     residuals = {name: trajectory.residual for name, trajectory in flights.items()}
     if any(np.isfinite(values).any() for values in residuals.values()):
@@ -125,7 +61,7 @@ def comparison_makers(
         makers["iterations"] = over(counts, "Solver iterations", "iterations [-]")
         makers["residual"] = over(residuals, "Residual", "residual [-]", scale="log")
         makers["solve_times"] = partial(
-            _drawn, SINGLE, panels.solve_times, solve_times, max(deadlines)
+            single, SINGLE, panels.solve_times, solve_times, max(deadlines)
         )
     return makers
 
@@ -155,8 +91,4 @@ def _over_time(
         axes.margins(x=0.0)
         legend_below(axes)
 
-    return partial(_drawn, SINGLE, draw)
-
-
-def _drawn(size: tuple[float, float], panel: Callable[..., None], *arguments: Any) -> Figure:
-    return stacked(size, lambda axes: panel(axes, *arguments))
+    return partial(single, SINGLE, draw)
