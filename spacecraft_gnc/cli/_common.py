@@ -16,7 +16,7 @@ from spacecraft_gnc.errors import GncError, RecordingError
 
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.run_info import RunInfo
-    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.scenario import Fleet, Scenario
 
 ScenarioArgument = Annotated[
     Path,  # not checked by typer, so that every refusal of a file reads alike
@@ -31,7 +31,8 @@ SetOption = Annotated[
     typer.Option(
         "--set",
         metavar="NODE.PARAMETER=VALUE",
-        help="Replace a value of the scenario; VALUE is YAML. May be given several times.",
+        help="Replace a value of the scenario; VALUE is YAML. May be given several times. Of "
+        "several agents, /sc1/NODE.PARAMETER means one, NODE.PARAMETER all.",
     ),
 ]
 SpacecraftOption = Annotated[
@@ -184,7 +185,7 @@ def print_table(rows: Iterable[tuple[str, str]]) -> None:
         print(f"  {label:<{width}}  {text}")
 
 
-def tell_warnings(scenario: Scenario, further: Iterable[str] = ()) -> None:
+def tell_warnings(scenario: Scenario | Fleet, further: Iterable[str] = ()) -> None:
     """Print on stderr what to know before a scenario flies."""
     for text in (*scenario.warnings, *further):
         print(f"warning: {text}", file=sys.stderr)

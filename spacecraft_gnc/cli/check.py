@@ -34,12 +34,12 @@ def check(
     quiet: QuietOption = False,
 ) -> None:
     """Check a scenario file; list every problem with the way to mend it."""
-    from spacecraft_gnc.scenario import InvalidScenario, load
+    from spacecraft_gnc.scenario import InvalidScenario, load_fleet
     from spacecraft_gnc.scenario.overrides import replaces_duration
 
     try:
-        checked = load(scenario, overrides or (), namespace)
-        checked.check_cores()
+        fleet = load_fleet(scenario, overrides or (), namespace)
+        fleet.check_cores()
     except InvalidScenario as error:
         if not as_json:
             raise
@@ -48,16 +48,30 @@ def check(
         raise typer.Exit(error.exit_code) from None
     if quiet and not as_json:
         return
-    cut_short = checked.launcher.cut_short or replaces_duration(overrides or ())
-    expected = _outlook(checked, cut_short)
-    facts = _facts(checked, expected)
+    cut_short = fleet.launcher.cut_short or replaces_duration(overrides or ())
+    expected = {agent: _outlook(one, cut_short) for agent, one in fleet.agents.items()}
+    facts = {agent: _facts(one, expected[agent]) for agent, one in fleet.agents.items()}
+    further = [
+        f"/{agent}: {text}" if agent else text
+        for agent, outlook in expected.items()
+        for text in outlook.warnings
+    ]
     if as_json:
-        told = {"problems": [], "warnings": [*checked.warnings, *expected.warnings]}
-        print_json({"scenario": str(scenario), "ok": True, **told, **_numbers(checked, facts)})
-    else:
-        tell_warnings(checked, expected.warnings)
-        print(f"{scenario}: can fly")
-        print_table(_rows(checked, facts))
+        numbers = {agent: _numbers(one, facts[agent]) for agent, one in fleet.agents.items()}
+        told = {"problems": [], "warnings": [*fleet.warnings, *further]}
+        of_all = {"nodes": list(fleet.nodes), **numbers.get("", {"agents": numbers})}
+        print_json({"scenario": str(scenario), "ok": True, **told, **of_all})
+        return
+    tell_warnings(fleet, further)
+    print(f"{scenario}: can fly")
+    nodes = ("nodes", ", ".join(fleet.nodes))
+    for agent, one in fleet.agents.items():
+        if agent:
+            print(f"/{agent}")
+        print_table([*_rows(one, facts[agent]), *([] if agent else [nodes])])
+    if "" not in fleet.agents:
+        print("graph")
+        print_table([nodes])
 
 
 def _outlook(scenario: Scenario, cut_short: bool) -> Outlook:
@@ -86,7 +100,6 @@ def _numbers(scenario: Scenario, facts: Facts) -> dict[str, Any]:
         "method": scenario.controller.method,
         "variant": _variant(scenario),
         "governor": scenario.governor.governor,
-        "nodes": list(scenario.launcher.nodes),
         **facts.numbers,
     }
 
@@ -104,7 +117,6 @@ def _rows(scenario: Scenario, facts: Facts) -> list[tuple[str, str]]:
         ("controller", _joined(method, facts.controller)),
         *facts.rows,
         ("governor", _joined(scenario.governor.governor, facts.governor)),
-        ("nodes", ", ".join(scenario.launcher.nodes)),
     ]
     return [row for row in rows if row[1]]
 

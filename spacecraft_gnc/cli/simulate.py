@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -25,13 +27,13 @@ from spacecraft_gnc.cli._common import (
     require_writable,
     tell_warnings,
 )
-from spacecraft_gnc.cli._progress import show_progress
+from spacecraft_gnc.cli._progress import Progress, show_progress
 from spacecraft_gnc.errors import GncError, ParameterError
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.closed_loop import ClosedLoop
     from spacecraft_gnc.loop.flight import Flight
-    from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.scenario import Fleet, Scenario
 
 OutOption = Annotated[
     Path | None,
@@ -55,39 +57,65 @@ def simulate(
     quiet: QuietOption = False,
 ) -> None:
     """Fly a scenario without ROS: the same cores, the same numbers as `gnc launch`."""
-    from spacecraft_gnc.analysis.metrics import summarize
-    from spacecraft_gnc.scenario import load
+    from spacecraft_gnc.loop.flight import save_flights
+    from spacecraft_gnc.scenario import load_fleet
     from spacecraft_gnc.vehicles import registry
 
-    checked = load(scenario, overrides or (), namespace)
+    fleet = load_fleet(scenario, overrides or (), namespace)
     if out is not None:
         require_writable(out, ".npz")
     if not (quiet or as_json):
-        tell_warnings(checked)
-    require_memory(checked.n_steps, registry.flight_of(checked.vehicle).bytes_per_step())
-    loop = checked.build()
-    for core in (loop.plant, loop.controller, loop.governor):
-        core.warm_up()  # loads the kernels, which is no part of the flight
+        tell_warnings(fleet)
+    sizes = (registry.flight_of(one.vehicle).bytes_per_step() for one in fleet.agents.values())
+    require_memory(fleet.n_steps, sum(sizes))
+    loops = fleet.build()
+    for loop in loops.values():
+        for core in (loop.plant, loop.controller, loop.governor):
+            core.warm_up()  # loads the kernels, which is no part of the flight
     started = time.perf_counter()
-    trajectory = _fly(loop, silent=quiet)
+    flights = _fly(loops, silent=quiet)
     wall_time = time.perf_counter() - started
     if out is not None:
-        trajectory.save(out, checked.to_yaml(), checked.stated_defaults())
-    summary = summarize(trajectory, checked)
+        save_flights(out, flights, fleet.to_yaml(), fleet.stated_defaults())
+    metrics = {
+        "scenario": str(scenario), **summarize_agents(flights, fleet), "wall_time": wall_time
+    }  # fmt: skip
     if as_json or not quiet:
-        metrics = {"scenario": str(scenario), **summary, "wall_time": wall_time}
-        _tell(metrics, checked, out, as_json=as_json)
-    require_within_limits(scenario, summary.get("limits_exceeded", ()), strict)
+        _tell(metrics, fleet, out, as_json=as_json)
+    require_within_limits(scenario, metrics.get("limits_exceeded", ()), strict)
 
 
-def _tell(metrics: dict[str, Any], scenario: Scenario, out: Path | None, *, as_json: bool) -> None:
+def summarize_agents(flights: Mapping[str, Flight], fleet: Fleet) -> dict[str, Any]:
+    """Return the summary of a flight; of several agents that of each, by name in ``agents``."""
+    from spacecraft_gnc.analysis.metrics import summarize
+
+    told = {agent: summarize(flight, fleet.agents[agent]) for agent, flight in flights.items()}
+    if "" in told:
+        return told[""]
+    exceeded = [
+        {**each, "text": f"/{agent}: {each['text']}"}
+        for agent, summary in told.items()
+        for each in summary.get("limits_exceeded", ())
+    ]
+    return {"agents": told, "limits_exceeded": exceeded}
+
+
+def _tell(metrics: dict[str, Any], fleet: Fleet, out: Path | None, *, as_json: bool) -> None:
     if as_json:
-        print_json({**metrics, "warnings": list(scenario.warnings), "out": out})
+        print_json({**metrics, "warnings": list(fleet.warnings), "out": out})
         return
     print(f"{metrics['scenario']}: flown in {metrics['wall_time']:.3g} s")
-    print_table(summary_rows(metrics, scenario))
+    print_summaries(metrics, fleet)
     if out is not None:
         print(f"  written to {out}")
+
+
+def print_summaries(metrics: dict[str, Any], fleet: Fleet) -> None:
+    """Print the lines of a flight's summary, an agent after the other."""
+    for agent, one in fleet.agents.items():
+        if agent:
+            print(f"/{agent}")
+        print_table(summary_rows(metrics["agents"][agent] if agent else metrics, one))
 
 
 def require_memory(n_steps: int, bytes_per_step: int) -> None:
@@ -106,12 +134,22 @@ def require_memory(n_steps: int, bytes_per_step: int) -> None:
         )
 
 
-def _fly(loop: ClosedLoop, silent: bool) -> Flight:
+def _fly(loops: Mapping[str, ClosedLoop], silent: bool) -> dict[str, Flight]:
+    """Fly the loops of all agents, which do not see each other, one after the other."""
+    flights: dict[str, Flight] = {}
+    total = sum(loop.plant.n_steps for loop in loops.values())
     try:
         with show_progress("flying", silent=silent) as progress:
-            return loop.run(progress)
+            for agent, loop in loops.items():
+                done = sum(flight.n_steps for flight in flights.values())
+                flights[agent] = loop.run(partial(_tell_share, progress, done, total))
     except GncError as error:  # the input was accepted: what fails now is the run
         raise RunFailed(str(error)) from error
+    return flights
+
+
+def _tell_share(progress: Progress, done: int, total: int, step: int, _: int) -> None:
+    progress(done + step, total)
 
 
 def summary_rows(m: dict[str, Any], scenario: Scenario | None = None) -> list[tuple[str, str]]:

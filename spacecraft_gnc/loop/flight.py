@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Generic, NamedTuple, TypeVar
 
@@ -20,6 +21,8 @@ from spacecraft_gnc.types import Array
 _COLUMN_KEY: Final = "spacecraft_gnc.column"
 _SCENARIO: Final = "scenario"
 _DEFAULTS: Final = "scenario_defaults"
+_SHARED: Final = ("period", "time")
+_SUFFIX: Final = ".npy"
 _ITEM: Final = 8  # bytes of a number
 
 
@@ -153,36 +156,20 @@ class Flight:
         RecordingError
             If the file cannot be written.
         """
-        target = Path(require_path("path", path))
-        arrays = {item.name: getattr(self, item.name) for item in dataclasses.fields(self)}
-        for name, text in ((_SCENARIO, scenario), (_DEFAULTS, defaults)):
-            if text:
-                arrays[name] = np.array(text)
-        temporary = target.with_name(f".{target.name}.part")
-        try:
-            with temporary.open("wb") as stream:
-                np.savez_compressed(stream, **arrays)
-            temporary.replace(target)
-        except OSError as err:
-            if temporary.is_file():
-                temporary.unlink()
-            raise RecordingError(
-                f"{target}: cannot be written ({err.strerror or err}); required a writable folder "
-                "with room for the file; choose another --out"
-            ) from err
-        return target
+        return save_flights(path, {"": self}, scenario, defaults)
 
     @classmethod
-    def load(cls, path: str | Path) -> Self:
-        """Read a file written by `save` of this class.
+    def load(cls, path: str | Path, agent: str = "") -> Self:
+        """Read a file written by `save` of this class, or one ``agent`` of `save_flights`.
 
         Raises
         ------
         RecordingError
             If it is missing, damaged or not such a file.
         """
-        names = (item.name for item in dataclasses.fields(cls))
-        values = _read(require_path("path", path), *names)
+        stored = {item.name: _stored(agent, item.name) for item in dataclasses.fields(cls)}
+        found = _read(require_path("path", path), *stored.values())
+        values = {name: found[key] for name, key in stored.items()}
         values["period"] = float(values["period"])
         return cls(**values)
 
@@ -232,14 +219,71 @@ class FlightLog(Generic[_Kind]):
         return self._kind(period=self._period, time=self._time, **self._rows, **finals)
 
 
+def save_flights(
+    path: str | Path, flights: Mapping[str, Flight], scenario: str = "", defaults: str = ""
+) -> Path:
+    """Write the flights of agents to one file, each array under its agent: ``sc1.attitude``.
+
+    Period and time, which all share, are written once; the only flight of an agent without a name
+    is written under plain names. Arguments and errors are those of `Flight.save`.
+    """
+    target = Path(require_path("path", path))
+    arrays = {
+        _stored(agent, item.name): getattr(flight, item.name)
+        for agent, flight in flights.items()
+        for item in dataclasses.fields(flight)
+    }
+    for name, text in ((_SCENARIO, scenario), (_DEFAULTS, defaults)):
+        if text:
+            arrays[name] = np.array(text)
+    temporary = target.with_name(f".{target.name}.part")
+    try:
+        with temporary.open("wb") as stream:
+            np.savez_compressed(stream, **arrays)
+        temporary.replace(target)
+    except OSError as err:
+        if temporary.is_file():
+            temporary.unlink()
+        raise RecordingError(
+            f"{target}: cannot be written ({err.strerror or err}); required a writable folder "
+            "with room for the file; choose another --out"
+        ) from err
+    return target
+
+
+def agents_in(path: str | Path) -> tuple[str, ...]:
+    """Return the agents whose flights a file holds; one without a name in a file of one flight.
+
+    Raises
+    ------
+    RecordingError
+        If it cannot be read.
+    """
+    with _members_of(path) as members:
+        names = (name.removesuffix(_SUFFIX) for name in members.namelist())
+        found = dict.fromkeys(name.rpartition(".")[0] for name in names)
+    return tuple(filter(None, found)) or ("",)
+
+
+def _stored(agent: str, name: str) -> str:
+    """Return under which name an array of an agent is stored."""
+    return f"{agent}.{name}" if agent and name not in _SHARED else name
+
+
 def _read(path: str | Path, *names: str) -> dict[str, Any]:
     """Return members of a file by name; of a file of before it held texts, none of them."""
+    with _members_of(path) as members:
+        known = set(members.namelist())
+        texts = (_SCENARIO, _DEFAULTS)
+        wanted = [n for n in names if n not in texts or f"{n}{_SUFFIX}" in known]
+        return {name: _member(members, name) for name in wanted}
+
+
+@contextmanager
+def _members_of(path: str | Path) -> Iterator[zipfile.ZipFile]:
     try:
         with Path(path).open("rb") as stream, zipfile.ZipFile(stream) as members:
-            known = set(members.namelist())
-            texts = (_SCENARIO, _DEFAULTS)
-            wanted = [n for n in names if n not in texts or f"{n}.npy" in known]
-            return {name: _member(members, name) for name in wanted}
+            yield members
     except (OSError, KeyError, ValueError, zipfile.BadZipFile, zlib.error, EOFError) as err:
         raise RecordingError(
             f"{path}: cannot be read as a flight ({err}); required a .npz file written by "
@@ -249,5 +293,5 @@ def _read(path: str | Path, *names: str) -> dict[str, Any]:
 
 def _member(members: zipfile.ZipFile, name: str) -> Any:
     # One array at a time: np.load leaves the file open where the archive is torn.
-    with members.open(f"{name}.npy") as stream:
+    with members.open(f"{name}{_SUFFIX}") as stream:
         return np.lib.format.read_array(stream, allow_pickle=False)

@@ -78,6 +78,8 @@ class ParameterSpec:
     """Exclusive upper bound."""
     choices: tuple[str, ...] = ()
     """The only words allowed (for a string array: as elements)."""
+    paths: bool = False
+    """A namespace may stand before a choice: ``sc1/nmpc_controller``."""
     plugins: str = ""
     """Registry group that knows the names allowed (`vehicles.registry`); empty where none does."""
     shape: tuple[int, ...] = ()

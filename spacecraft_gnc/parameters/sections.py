@@ -139,10 +139,12 @@ class LauncherParameters:
     nodes: tuple[str, ...] = parameter(
         Kind.STRING_ARRAY,
         list(NODE_NAMES),
-        "nodes to start",
+        "nodes to start; with several agents a controller or governor stands for that of each, "
+        "sc1/nmpc_controller for one",
         shape=(-1,),
         unique=True,
         choices=NODE_NAMES,
+        paths=True,
     )
     on_node_death: str = parameter(
         Kind.STRING,

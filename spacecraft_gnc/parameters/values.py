@@ -173,7 +173,8 @@ def _check_words(spec: ParameterSpec, items: list[Any]) -> None:
     if not spec.choices and not spec.unique:
         return
     for index, item in enumerate(items):
-        if spec.choices and item not in spec.choices:
+        word = item.rpartition("/")[2] if spec.paths else item
+        if spec.choices and word not in spec.choices:
             requirement = f"one of {', '.join(spec.choices)}"
             raise Refusal(shown(item), requirement, suggestion(item, spec.choices))
         if spec.unique and item in items[:index]:

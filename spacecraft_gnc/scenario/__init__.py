@@ -1,15 +1,18 @@
 """One scenario: a ROS 2 parameter file, checked without ROS, and the cores built from it."""
 
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem
+from spacecraft_gnc.scenario.fleet import Fleet, load_fleet
 from spacecraft_gnc.scenario.load import from_sections, load, read_sections, revise
 from spacecraft_gnc.scenario.scenario import Scenario
 
 __all__ = [
+    "Fleet",
     "InvalidScenario",
     "Problem",
     "Scenario",
     "from_sections",
     "load",
+    "load_fleet",
     "read_sections",
     "revise",
 ]

@@ -21,7 +21,7 @@ from spacecraft_gnc.scenario.node_sections import (
     add_file,
     given_to,
     namespace_of,
-    node_names,
+    nodes_in,
     unread,
     vehicle_in,
 )
@@ -45,26 +45,50 @@ def load(path: str | Path, overrides: Overrides = (), namespace: str | None = No
         Values that replace those of the file; an integer may stand for a double here.
     namespace : str, optional
         Of the nodes that the file is for; by default the root, or the only one that it names.
+        Of several agents it picks one; `load_fleet` takes them all.
 
     Raises
     ------
     InvalidScenario
         With every problem of the file and of the overrides at once.
     """
-    file = find(require_path("path", path))
-    sections, problems = read(file, ROLES)
-    nodes = node_names(namespace_of(sections, str(file)) if namespace is None else namespace)
-    laid_over: Given = {}
-    apply(overrides, laid_over, problems)
+    file = str(find(require_path("path", path)))
+    sections, problems = read(Path(file), ROLES)
+    return load_one(sections, file, problems, overrides, namespace)
+
+
+def load_one(
+    sections: Sections,
+    file: str,
+    problems: list[Problem],
+    overrides: Overrides = (),
+    namespace: str | None = None,
+) -> Scenario:
+    """Check what a file says of one vehicle, as `load`; ``problems``: those of reading it."""
+    where = namespace_of(sections, file) if namespace is None else namespace
+    nodes, agent = nodes_in(sections, where), where.strip("/")
+    laid_over = apply(overrides, problems, [agent])[agent]
+    return load_nodes(sections, nodes, file, problems, laid_over, _warnings(sections, nodes, file))
+
+
+def load_nodes(
+    sections: Sections,
+    nodes: Mapping[str, str],
+    file: str,
+    problems: list[Problem],
+    laid_over: Given,
+    warnings: Sequence[str] = (),
+) -> Scenario:
+    """Check what a file gives the nodes of one vehicle, by full name, and what is laid over it."""
     plant = laid_over.get("plant", {})
-    vehicle = vehicle_in(sections, nodes, str(file))
+    vehicle = vehicle_in(sections, nodes, file)
     if "vehicle" in plant:
-        vehicle = vehicle_given(plant, str(file))
+        vehicle = vehicle_given(plant, file)
     given = given_to(sections, nodes, problems, vehicle)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
     _lay_over(given, laid_over)
-    warnings = _warnings(sections, nodes, str(file)) + _leave_out_unread(vehicle, given, str(file))
-    return _scenario(vehicle, given, str(file), problems, warnings)
+    warnings = [*warnings, *_leave_out_unread(vehicle, given, file)]
+    return _scenario(vehicle, given, file, problems, warnings)
 
 
 def read_sections(
@@ -89,7 +113,7 @@ def read_sections(
     sections: Sections = {}
     add_file(sections, Path(require_path("path", path)), text)
     problems: list[Problem] = []
-    nodes = node_names(namespace_of(sections, str(path), namespace))
+    nodes = nodes_in(sections, namespace_of(sections, str(path), namespace))
     given = given_to(sections, nodes, problems)
     if problems:
         raise InvalidScenario(problems)
@@ -163,8 +187,7 @@ def revise(
     """
     given = _given_along_a_flight(require_kind("scenario", scenario, Scenario))
     problems: list[Problem] = []
-    laid_over: Given = {_CONTROLLER: {}}
-    apply(overrides, laid_over, problems)
+    laid_over = {_CONTROLLER: {}, **apply(overrides, problems)[""]}
     if method is not None:
         laid_over[_CONTROLLER]["method"] = Entry(plain(method), "--method", coerce=True)
     chosen = laid_over[_CONTROLLER].get("method")
@@ -213,7 +236,8 @@ def _entries(values: Mapping[str, Any], source: str) -> dict[str, Entry]:
 def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[str]:
     """Name the sections that no node reads."""
     names = ", ".join(unread(sections, nodes))
-    namespace = next(iter(nodes)).rpartition("/")[0] or ROOT
+    controller = next(name for name, role in nodes.items() if role == _CONTROLLER)
+    namespace = controller.rpartition("/")[0] or ROOT
     return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []
 
 

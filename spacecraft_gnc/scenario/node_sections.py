@@ -22,11 +22,14 @@ from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggest
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, parse_value, read
 from spacecraft_gnc.scenario.schema import (
     LAUNCHER,
+    OF_AGENT,
+    OF_GRAPH,
     ROLES,
     schema_of,
     vehicle_entries,
     vehicle_given,
 )
+from spacecraft_gnc.signals.graph import CONTROLLER, PLANT
 from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 ROOT: Final = "/"
@@ -45,6 +48,42 @@ def node_names(namespace: str = ROOT) -> dict[str, str]:
     return {f"{prefix}/{role}": role for role in ROLES} | {f"/{LAUNCHER}": LAUNCHER}
 
 
+def agent_nodes(agent: str) -> dict[str, str]:
+    """Return the sections of one agent of a graph, each with its role.
+
+    What the graph has once stands in the root namespace; there, the values of ``plant`` are those
+    of every agent that does not replace them.
+    """
+    shared = {f"/{role}": role for role in (PLANT, *OF_GRAPH)}
+    return shared | {f"/{agent}/{role}": role for role in OF_AGENT}
+
+
+def agents_in(sections: Sections) -> tuple[str, ...]:
+    """Return the agents of a graph by their namespaces; none where a file is about one vehicle.
+
+    There are agents where several namespaces have sections, or one beside a ``plant`` of the root,
+    and the root has neither controller nor governor.
+    """
+    named: dict[str, set[str]] = {}
+    for pattern in sections:
+        namespace, role = _literal_namespace(pattern), pattern.rpartition("/")[2]
+        if namespace is not None and role not in OF_GRAPH:
+            named.setdefault(namespace, set()).add(role)
+    root = named.pop(ROOT, set())
+    if root - {PLANT}:
+        return ()
+    is_whole = any({PLANT, CONTROLLER} <= roles for roles in named.values())
+    if len(named) > 1 or (root and is_whole):
+        return tuple(namespace.strip("/") for namespace in named)
+    return ()
+
+
+def nodes_in(sections: Sections, namespace: str) -> dict[str, str]:
+    """Return the sections of the vehicle in a namespace, each with its role, as `node_names`."""
+    agent, alone = namespace.strip("/"), node_names(namespace)
+    return {**agent_nodes(agent), **alone} if agent in agents_in(sections) else alone
+
+
 def matches(pattern: str, node: str) -> bool:
     """Tell whether ROS 2 gives a section to the node of that full name."""
     return re.fullmatch(pattern.replace("/*", r"(/\w+)"), node, re.ASCII) is not None
@@ -59,7 +98,7 @@ def vehicle_in(sections: Sections, nodes: Mapping[str, str], file: str) -> Vehic
         If it is unknown, or the plug-in behind it is broken.
     """
     plants = [name for name, role in nodes.items() if role == "plant"]
-    patterns = (p for p in sections if any(matches(p, name) for name in plants))
+    patterns = (p for name in plants for p in sections if matches(p, name))
     return vehicle_given(vehicle_entries(sections, patterns), file)
 
 
@@ -79,7 +118,7 @@ def given_to(
     sections : Sections
         Of one file, or of all that a command line names.
     nodes : mapping
-        Full node name -> role.
+        Full node name -> role; of two with one role, the later lies over the earlier.
     problems : list of Problem, optional
         Gets one more for each parameter of a wildcard that no node knows.
     vehicle : Vehicle, optional
@@ -91,17 +130,21 @@ def given_to(
         If the vehicle is unknown, or the plug-in behind it is broken.
     """
     schema = schema_of(vehicle_in(sections, nodes, "") if vehicle is None else vehicle)
-    given: Given = {}
+    by_node: Given = {}
     for pattern, entries in sections.items():
-        roles = list(dict.fromkeys(r for name, r in nodes.items() if matches(pattern, name)))
-        for name, entry in entries.items():
-            users = [role for role in roles if _knows(schema, role, name, entry)]
-            if len(roles) > 1 and not users:
+        names = [name for name in nodes if matches(pattern, name)]
+        is_shared = len({nodes[name] for name in names}) > 1
+        for parameter, entry in entries.items():
+            users = [name for name in names if _knows(schema, nodes[name], parameter, entry)]
+            if is_shared and not users:
                 if problems is not None:
-                    problems.append(_unknown_to_all(schema, pattern, name, entry))
+                    problems.append(_unknown_to_all(schema, pattern, parameter, entry))
                 continue
-            for role in users or roles:
-                given.setdefault(role, {})[name] = entry
+            for name in users or names:
+                by_node.setdefault(name, {})[parameter] = entry
+    given: Given = {nodes[name]: {} for name in by_node}
+    for name in filter(by_node.__contains__, nodes):
+        given[nodes[name]].update(by_node[name])
     return {r: e for r, e in given.items() if not all(schema.is_ros_own(r, n) for n in e)}
 
 
@@ -127,7 +170,8 @@ def namespace_of(sections: Sections, file: str, wanted: str | None = None) -> st
         If it names several, and not the root.
     """
     named = dict.fromkeys(_literal_namespace(pattern) for pattern in sections)
-    found = [namespace for namespace in named if namespace is not None]
+    agents = [f"/{agent}" for agent in agents_in(sections)]
+    found = agents or [namespace for namespace in named if namespace is not None]
     preferred = f"/{wanted.strip('/')}" if wanted is not None else ROOT
     if preferred in found or not found:
         return preferred if preferred in found else ROOT

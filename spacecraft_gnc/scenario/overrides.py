@@ -12,11 +12,13 @@ from spacecraft_gnc.parameters.problems import Problem, shown, suggestion
 from spacecraft_gnc.parameters.values import plain
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, parse_value
 from spacecraft_gnc.parameters.yaml_scalar import Scalar
-from spacecraft_gnc.scenario.schema import ROLES
+from spacecraft_gnc.scenario.schema import OF_AGENT, OF_GRAPH, ROLES
 
-_DURATION: Final = re.compile(r"\s*plant\b.*\bduration\b")
+_DURATION: Final = re.compile(r"\s*(/?(\w+/)*)?plant\b.*\bduration\b")
 Overrides = Mapping[str, Any] | Sequence[str]
-"""``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``."""
+"""``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``.
+
+A node of one agent is named by its path, ``/sc1/plant.duration``; without one it is that of all."""
 
 
 def replaces_duration(texts: Iterable[str]) -> bool:
@@ -24,8 +26,10 @@ def replaces_duration(texts: Iterable[str]) -> bool:
     return any(_DURATION.match(text) for text in texts)
 
 
-def apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
-    """Lay overrides over what the file gives."""
+def apply(
+    overrides: Overrides, problems: list[Problem], agents: Sequence[str] = ("",)
+) -> dict[str, Given]:
+    """Return what overrides lay over a file, by agent."""
     written: dict[str, str] = {}
     if isinstance(overrides, Mapping):
         values = flatten(overrides)
@@ -36,18 +40,28 @@ def apply(overrides: Overrides, given: Given, problems: list[Problem]) -> None:
             values |= _parse_override(text, problems)
             key, _, value_text = text.partition("=")
             written[key.strip()] = value_text.strip()
+    given: dict[str, Given] = {agent: {} for agent in agents}
     for key, value in values.items():
         if value is None:  # as in `from_sections`: not given
             continue
         section, _, name = key.partition(".")
-        if section not in ROLES or not name:
-            need = f"NODE.PARAMETER with a node out of {', '.join(ROLES)}"
-            remedy = suggestion(section, ROLES)
-            problems.append(Problem("--set", None, key, shown(plain(value)), need, remedy))
+        path, _, role = section.strip("/").rpartition("/")
+        concerned = [agent for agent in agents if not path or agent == path]
+        if role not in ROLES or not name or not concerned or (path and role in OF_GRAPH):
+            problems.append(_unknown(key, section, value, agents))
             continue
         as_written = written.get(key) if isinstance(value, Scalar) else None
         entry = Entry(plain(value), "--set", coerce=True, written=as_written)
-        given.setdefault(section, {})[name] = entry
+        for agent in concerned:
+            given[agent].setdefault(role, {})[name] = entry
+    return given
+
+
+def _unknown(key: str, section: str, value: Any, agents: Sequence[str]) -> Problem:
+    of_agents = [f"/{agent}/{role}" for agent in agents for role in OF_AGENT if agent]
+    known = [*ROLES, *of_agents]
+    need = f"NODE.PARAMETER with a node out of {', '.join(known)}"
+    return Problem("--set", None, key, shown(plain(value)), need, suggestion(section, known))
 
 
 def _parse_override(text: str, problems: list[Problem]) -> dict[str, Any]:

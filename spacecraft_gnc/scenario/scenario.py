@@ -175,19 +175,26 @@ class Scenario:
         defaults : bool
             Whether to write every parameter, or only what was given.
         """
+        return sections_to_yaml(self.nested(defaults))
+
+    def nested(self, defaults: bool = False) -> Mapping[str, Mapping[str, Any]]:
+        """Return the sections, nested as in a file: what was given, or every parameter."""
         if not defaults:
-            return sections_to_yaml(self.sections)
-        return sections_to_yaml({s: unflatten(values) for s, values in self.values.items()})
+            return self.sections
+        return {s: unflatten(values) for s, values in self.values.items()}
 
     def stated_defaults(self) -> str:
         """Return, likewise, the defaults that formulas gave for what was not given."""
+        return STATED + sections_to_yaml(self.nested_defaults())
+
+    def nested_defaults(self) -> dict[str, Mapping[str, Any]]:
+        """Return these defaults by section, nested as in a file."""
         given = {section: flatten(values) for section, values in self.sections.items()}
         taken = {
             section: {n: v for n, v in defaults.items() if not given.get(section, {}).get(n, [])}
             for section, defaults in self.defaults.items()
         }
-        told = sections_to_yaml({s: unflatten(values) for s, values in taken.items()})
-        return f"# Defaults that formulas gave (docs/scenario.md).\n{told.lstrip()}"
+        return {s: unflatten(values) for s, values in taken.items()}
 
     def _create(self, group: str, build: Lazy) -> Any:
         try:
@@ -202,6 +209,8 @@ class Scenario:
             raise InvalidScenario([problem]) from error
 
 
+STATED: Final = "# Defaults that formulas gave (docs/scenario.md).\n"
+"""First line of the text of such defaults."""
 _ATTRIBUTES: Final = {
     "plant": "plant",
     "nmpc_controller": "controller",
@@ -218,7 +227,7 @@ def sections_to_yaml(sections: Mapping[str, Mapping[str, Any]]) -> str:
         if flatten(values):  # ROS 2 refuses an empty mapping here
             lines += [f"{section}:", f"  {PARAMETERS_KEY}:"]
             _emit_mapping(values, "    ", lines)
-    return "\n".join(lines) + "\n"
+    return "".join(f"{line}\n" for line in lines)
 
 
 def _emit_mapping(values: Mapping[str, Any], indent: str, lines: list[str]) -> None:

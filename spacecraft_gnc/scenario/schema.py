@@ -14,6 +14,11 @@ from spacecraft_gnc.vehicles.vehicle import Vehicle
 LAUNCHER: Final = "launcher"
 ROLES: Final = (*NODE_NAMES, LAUNCHER)
 """Sections of every scenario file."""
+OF_AGENT: Final = ("plant", "nmpc_controller", "reference_governor")
+"""Those that each agent of a graph has; there, a plant in the root namespace states what all have
+in common."""
+OF_GRAPH: Final = ("recorder", LAUNCHER)
+"""Those that a graph has once, however many agents."""
 _KEY: Final = "vehicle"
 
 

@@ -8,7 +8,7 @@ import pytest
 from flown_bags import fly
 
 from spacecraft_gnc.analysis.audit import audit_bag
-from spacecraft_gnc.scenario import load
+from spacecraft_gnc.scenario import load_fleet
 from spacecraft_gnc.scenario.fingerprint import differences
 
 SHIPPED = sorted(Path(__file__).parents[2].joinpath("config").glob("*.yaml"))
@@ -16,10 +16,10 @@ SHIPPED = sorted(Path(__file__).parents[2].joinpath("config").glob("*.yaml"))
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
 def test_a_shipped_flight_passes(tmp_path, file):
-    scenario = load(file)
-    audit = audit_bag(fly(tmp_path, scenario.sections))
-    assert audit.passed, audit.first
-    assert audit.steps == scenario.n_steps
-    assert differences(audit.scenario, scenario) == ()
-    assert audit.counts.solves_repeated == 0
-    assert audit.counts.standstills_found == audit.counts.standstills_reported
+    for agent, scenario in load_fleet(file).agents.items():
+        audit = audit_bag(fly(tmp_path / agent, scenario.sections))
+        assert audit.passed, audit.first
+        assert audit.steps == scenario.n_steps
+        assert differences(audit.scenario, scenario) == ()
+        assert audit.counts.solves_repeated == 0
+        assert audit.counts.standstills_found == audit.counts.standstills_reported

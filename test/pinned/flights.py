@@ -20,9 +20,12 @@ from pinned.machine import fingerprint
 from rosbags.highlevel import AnyReader
 
 from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.scenario import load_fleet
 
 ROOT = Path(__file__).resolve().parents[2]
-SHIPPED = sorted(path.stem for path in (ROOT / "config").glob("*.yaml"))
+SHIPPED = sorted(
+    path.stem for path in (ROOT / "config").glob("*.yaml") if len(load_fleet(path).agents) == 1
+)
 
 _WALL_ARRAYS = frozenset({"solve_time"})
 _WALL_TOPICS = frozenset({"/wall_timing"})

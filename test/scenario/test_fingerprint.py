@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from spacecraft_gnc.scenario import from_sections, load
+from spacecraft_gnc.scenario import from_sections, load, load_fleet
 from spacecraft_gnc.scenario.fingerprint import differences, fingerprint
 
 CASE1 = load("gupta2015_case1")
@@ -16,12 +16,15 @@ BODY = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
 def test_written_out_and_read_again_it_stays(file, tmp_path):
-    scenario = load(file)
+    fleet = load_fleet(file)
     for defaults in (False, True):
         again = tmp_path / f"{defaults}.yaml"
-        again.write_text(scenario.to_yaml(defaults=defaults), encoding="utf-8")
-        assert differences(scenario, load(again)) == ()
-        assert fingerprint(load(again)) == fingerprint(scenario)
+        again.write_text(fleet.to_yaml(defaults=defaults), encoding="utf-8")
+        read = load_fleet(again).agents
+        assert list(read) == list(fleet.agents)
+        for agent, scenario in fleet.agents.items():
+            assert differences(scenario, read[agent]) == ()
+            assert fingerprint(read[agent]) == fingerprint(scenario)
 
 
 @pytest.mark.parametrize(
