@@ -75,8 +75,9 @@ class ClosedLoop:
             decision = self.governor.decide(state)
             reference = decision.reference
             command = self.controller.command(state, reference)
-            log.add(k, Step(state, self.governor.target, decision, command))
+            step = Step(state, self.governor.target, decision, command, self.plant)
             state = self.plant.step(command.control)
+            log.add(k, step)
             if progress is not None:
                 progress(k + 1, self.plant.n_steps)
         if reference is None:

@@ -37,6 +37,8 @@ class Step(NamedTuple):
     """The governor's, with the reference."""
     command: Any
     """`loop.protocols.Command`"""
+    plant: Any = None
+    """The plant at the end of the step; None where nothing is simulated."""
 
 
 class End(NamedTuple):

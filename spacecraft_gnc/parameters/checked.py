@@ -29,6 +29,8 @@ class Checked:
     given: Given
     """By section: what ROS 2 gives each node."""
     problems: list[Problem]
+    is_over: bool = False
+    """Whether it is the scenario of a flight that is over."""
     warnings: list[str] = field(default_factory=list)
     """What to know before it flies, one line each."""
     unknown: list[tuple[str, str]] = field(default_factory=list)

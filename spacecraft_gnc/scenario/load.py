@@ -272,6 +272,7 @@ def _scenario(
     stated: Stated | None = None,
 ) -> Scenario:
     checked = check_values(schema_of(vehicle), given, source, problems)
+    checked.is_over = stated is not None
     fill_in(checked, vehicle, stated or {})
     check_all(checked, vehicle)
     if problems:

@@ -127,8 +127,14 @@ class Scenario:
         return ClosedLoop(self.build_plant(), self.build_controller(), self.build_governor())
 
     def build_plant(self) -> Plant[Any, Any]:
-        """Return the vehicle named by ``plant.vehicle``."""
-        return cast("Plant[Any, Any]", registry.create(registry.VEHICLES, self.vehicle.plant, self))
+        """Return the vehicle named by ``plant.vehicle``.
+
+        Raises
+        ------
+        InvalidScenario
+            With what the plant refuses, such as a disturbance that is not installed.
+        """
+        return cast("Plant[Any, Any]", self._create(registry.VEHICLES, self.vehicle.plant))
 
     def build_controller(self) -> Controller[Any, Any]:
         """Return the controller named by ``nmpc_controller.method``.

@@ -26,6 +26,12 @@ def names() -> tuple[str, ...]:
     return tuple(dict.fromkeys([*BUILT_IN, *sorted(plugins)]))
 
 
+def not_installed(parameters: DisturbanceParameters) -> tuple[str, ...]:
+    """Return those of the names that ``parameters`` lists that are not known here."""
+    known = names()
+    return tuple(name for name in parameters.disturbances if name not in known)
+
+
 def build(parameters: DisturbanceParameters, inertia: Matrix3) -> Disturbances:
     """Return the disturbances that ``parameters`` lists.
 

@@ -26,6 +26,11 @@ def _of_solve(name: str) -> Callable[[Step], Any]:
     return read
 
 
+def _external_torque(step: Step) -> Any:
+    """Return what disturbed the body over a step; None where no plant tells."""
+    return getattr(step.plant, "external_torque", None)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class RigidBodyFlight(Flight):
     """Arrays of a flight: row k belongs to control step k, ``final_*`` to the end of the last step.
@@ -38,8 +43,13 @@ class RigidBodyFlight(Flight):
         Angular momentum, body frame [N m s].
     torque : (n, 3) array
         Body torque held over the step [N m].
+    external_torque : (n, 3) array
+        Sum of the disturbances held over the step beside it, body frame [N m]; NaN where it was not
+        recorded. The message of the next step carries it.
     reference : (n, 3, 3) array
         Attitude tracked, body to inertial.
+    reference_rate, reference_torque : (n, 3) arrays
+        Its feedforward: angular velocity [rad/s] and torque [N m], both in its own frame.
     target : (n, 3, 3) array
         Attitude that the governor is asked for, body to inertial; NaN where it is not known.
     iterations, status, source : (n,) arrays of int
@@ -64,10 +74,21 @@ class RigidBodyFlight(Flight):
     torque: Array = column(
         lambda step: step.command.control, (3,), carried_by="torque_command/torque"
     )
+    external_torque: Array = column(
+        _external_torque, (3,), carried_by="plant_invariants/external_torque"
+    )
     reference: Array = column(
         lambda step: step.decision.reference.attitude,
         (3, 3),
         carried_by="attitude_reference/attitude",
+    )
+    reference_rate: Array = column(
+        lambda step: step.decision.reference.angular_velocity,
+        (3,),
+        carried_by="attitude_reference/angular_velocity",
+    )
+    reference_torque: Array = column(
+        lambda step: step.decision.reference.torque, (3,), carried_by="attitude_reference/torque"
     )
     target: Array = column(lambda step: step.target, (3, 3), carried_by="target_attitude/attitude")
     iterations: NDArray[np.int64] = column(

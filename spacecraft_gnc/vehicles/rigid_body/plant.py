@@ -82,8 +82,11 @@ class RigidBodyPlant:
         self._state, self._external = initial, _NO_TORQUE
 
     @classmethod
-    def from_scenario(cls, scenario: Scenario) -> RigidBodyPlant:
-        """Build the plant of a scenario's sections ``plant`` and ``nmpc_controller``."""
+    def from_scenario(cls, scenario: Scenario, *, is_disturbed: bool = True) -> RigidBodyPlant:
+        """Build the plant of a scenario's sections ``plant`` and ``nmpc_controller``.
+
+        Unless it ``is_disturbed``, without the disturbances that the scenario lists.
+        """
         p = scenario.plant
         inertia = known_inertia(scenario, "plant", p.inertia)
         return cls(
@@ -92,7 +95,7 @@ class RigidBodyPlant:
             p.initial_momentum,
             scenario.n_steps,
             scenario.substeps,
-            build(p, inertia),
+            build(p, inertia) if is_disturbed else None,
             pose_every=p.pose_every,
         )
 

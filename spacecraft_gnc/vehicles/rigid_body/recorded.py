@@ -169,7 +169,10 @@ def _trajectory(
         attitude=_filled(n, states, "attitude", (9,)).reshape(n, 3, 3),
         momentum=_filled(n, states, "angular_momentum", (3,)),
         torque=_placed(n, torques.steps, torques.torque),
+        external_torque=_external(n, columns[INVARIANTS]),
         reference=reference,
+        reference_rate=_feedforward(n, references, "angular_velocity"),
+        reference_torque=_feedforward(n, references, "torque"),
         target=targets,
         iterations=_integers(n, 0, solves.steps, solves.fields.get("iterations")),
         residual=_filled(n, solves, "residual"),
@@ -193,6 +196,18 @@ def _times(n: int, states: Columns, period: float) -> Array:
     if np.allclose(stamps[recorded], grid[recorded], rtol=0.0, atol=_GRID_TOLERANCE):
         return grid
     return np.asarray(np.where(recorded, stamps, grid))
+
+
+def _feedforward(n: int, references: Columns, name: str) -> Array:
+    """Return (n, 3) numbers that come with a reference; zero where a run has no governor."""
+    return _filled(n, references, name, (3,)) if references.steps.size else np.zeros((n, 3))
+
+
+def _external(n: int, invariants: Columns) -> Array:
+    """Return (n, 3) torques of the disturbances: each message tells of the step that ended."""
+    told = invariants.steps > 0
+    values = invariants.fields.get("external_torque", np.empty((0, 3)))
+    return _placed(n, invariants.steps[told] - 1, values[told])
 
 
 def _filled(n: int, columns: Columns, name: str, shape: tuple[int, ...] = ()) -> Array:

@@ -58,8 +58,7 @@ class RigidBodyAudit:
         watch: Watch,
     ) -> tuple[Exceedance, ...]:
         """Enter every check of the flight; return the limits that it exceeded."""
-        plant = evidence.scenario.build_plant()
-        audit_motion(evidence, plant, ledger, tolerance, watch("integrating"))
+        audit_motion(evidence, ledger, tolerance, watch("integrating"))
         audit_references(evidence, ledger)
         audit_decisions(evidence, ledger, tolerance, watch("asking the governor"))
         _solves(evidence, ledger, counts, tolerance, watch("certifying"))

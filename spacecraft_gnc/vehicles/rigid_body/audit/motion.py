@@ -1,8 +1,12 @@
-"""Integrate the recorded motion again under the recorded torques."""
+"""Audit of the motion: integrated again under the recorded torques.
+
+What drives the body is the torque that the plant applied and, where the scenario lists
+disturbances, the sum of theirs, which the plant told as well.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 
@@ -10,6 +14,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger, as_absolute
 from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.plant.disturbances import not_installed
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels as kernels
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
@@ -25,20 +30,50 @@ _ATTITUDE, _MOMENTUM = "attitude_state.attitude", "attitude_state.angular_moment
 _ORIENTATION, _RATE = "attitude_state.orientation", "attitude_state.angular_velocity"
 _ENERGY, _INERTIAL = "plant_invariants.kinetic_energy", "plant_invariants.inertial_momentum"
 _DEFECT = "plant_invariants.orthogonality_error"
+_EXTERNAL = "plant_invariants.external_torque"
+_DISTURBED: Final = "external torque = sum of the disturbances"
+
+
+class _Flyer(NamedTuple):
+    """What flies the scenario again."""
+
+    plant: Any
+    """`Plant`; that of the rigid body tells ``external_torque``, too."""
+    torques: Array
+    """(n, 3) to step it by [N m]; NaN: not known."""
+    driving: Array
+    """(n, 3) torque that drives the integrator [N m], disturbances included."""
+    has_disturbances: bool
+    """Whether the plant has those of the scenario, if any, and tells their sum."""
 
 
 def audit_motion(
-    evidence: Evidence,
-    plant: RigidBodyPlant,
-    ledger: Ledger,
-    tolerance: float | None,
-    progress: Progress | None,
+    evidence: Evidence, ledger: Ledger, tolerance: float | None, progress: Progress | None
 ) -> None:
     """Integrate the flight again by the plant's own code: from each state, and from the start."""
-    torques = applied_torques(evidence)
-    _each_step(evidence, plant, torques, ledger, tolerance)
-    _in_a_row(evidence, plant, torques, ledger, tolerance, progress)
-    _momentum_balance(evidence, plant, torques, ledger)
+    flyer = _flyer(evidence, ledger)
+    _each_step(evidence, flyer.plant, flyer.driving, ledger, tolerance)
+    _in_a_row(evidence, flyer, ledger, tolerance, progress)
+    _momentum_balance(evidence, flyer.plant, flyer.driving, ledger)
+
+
+def _flyer(evidence: Evidence, ledger: Ledger) -> _Flyer:
+    """Return what flies again; where a disturbance is not installed, by the recorded sum."""
+    scenario, applied = evidence.scenario, applied_torques(evidence)
+    driving = applied
+    if scenario.plant.disturbances:
+        steps = np.arange(evidence.n)
+        driving = applied + evidence.rows(INVARIANTS, "external_torque", steps + 1)
+    absent = not_installed(scenario.plant)
+    if absent:
+        why = f"not installed: {', '.join(absent)}; the recorded sum is integrated"
+        ledger.skip(_DISTURBED, why)
+        plant = RigidBodyPlant.from_scenario(scenario, is_disturbed=False)
+        return _Flyer(plant, driving, driving, has_disturbances=False)
+    found = scenario.build_plant()
+    tells = hasattr(found, "external_torque")
+    ledger.check(_DISTURBED, "", "" if tells else "a plug-in's plant does not tell it")
+    return _Flyer(found, applied, driving, has_disturbances=tells)
 
 
 def warm_up(plant: RigidBodyPlant) -> None:
@@ -104,42 +139,38 @@ def _each_step(
 
 def _in_a_row(
     evidence: Evidence,
-    plant: RigidBodyPlant,
-    torques: Array,
+    flyer: _Flyer,
     ledger: Ledger,
     tolerance: float | None,
     progress: Progress | None,
 ) -> None:
     """Fly the vehicle by the recorded torques from the scenario's start, as far as they go."""
-    again = _flown_again(evidence, plant, torques, ledger, progress)
+    again = _flown_again(evidence, flyer, ledger, progress)
     flown = len(again[_MOMENTUM])
     for topic, names in (
+        (_DISTURBED, (_EXTERNAL,)),
         ("integrator, from the start", (_ATTITUDE, _MOMENTUM)),
         ("quaternion = rotation matrix", (_ORIENTATION,)),
         ("rate = J^-1 momentum", (_RATE,)),
         ("energy and momentum told", (_ENERGY, _INERTIAL, _DEFECT)),
     ):
-        source = INVARIANTS if names[0] == _ENERGY else STATE
+        source = INVARIANTS if names[0] in (_ENERGY, _EXTERNAL) else STATE
         steps = evidence.columns[source].steps
         steps = steps[steps < flown]
         if not steps.size:
             ledger.skip(topic, f"{source} was not recorded")
             continue
-        for where in names:
+        for where in names if flyer.has_disturbances or topic != _DISTURBED else ():
             recorded = evidence.rows(source, where.partition(".")[2], steps)
             limit = as_absolute(tolerance, recorded)
             ledger.compare(topic, steps, {where: recorded}, {where: again[where][steps]}, limit)
 
 
 def _flown_again(
-    evidence: Evidence,
-    plant: RigidBodyPlant,
-    torques: Array,
-    ledger: Ledger,
-    progress: Progress | None,
+    evidence: Evidence, flyer: _Flyer, ledger: Ledger, progress: Progress | None
 ) -> dict[str, Array]:
     """Return what the plant tells of each state it comes through."""
-    n = evidence.n
+    n, plant, torques = evidence.n, flyer.plant, flyer.torques
     room = {name: np.empty((n + 1, size)) for name, size in _SIZES.items()}
     plant.reset()
     for k in range(n + 1):
@@ -149,6 +180,8 @@ def _flown_again(
         room[_ORIENTATION][k] = lie.to_quaternion_xyzw(state.attitude)
         room[_RATE][k] = plant.angular_velocity()
         room[_ENERGY][k], room[_INERTIAL][k], room[_DEFECT][k] = invariants
+        if flyer.has_disturbances:
+            room[_EXTERNAL][k] = plant.external_torque
         if progress is not None and k % 1000 == 0:
             progress(k, n)
         if k == n or not np.isfinite(torques[k]).all():
@@ -169,6 +202,7 @@ _SIZES: Final = {
     _ENERGY: 1,
     _INERTIAL: 3,
     _DEFECT: 1,
+    _EXTERNAL: 3,
 }
 
 
