@@ -33,6 +33,7 @@ VEHICLE: Final = Vehicle(
     columns=_lazy("recorded:read_recorded"),
     facts=_lazy("facts:facts"),
     warmup=_lazy("warmup:WARMUP"),
+    audit=_lazy("audit.flight:AUDIT"),
     metrics=_lazy("summary:metrics"),
     summary=_lazy("summary:lines"),
     signals=_lazy("signals:SIGNALS"),

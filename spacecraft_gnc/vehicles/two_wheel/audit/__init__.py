@@ -1,0 +1,1 @@
+"""Audit of flights of a spacecraft with wheels."""
