@@ -36,6 +36,8 @@ VEHICLE: Final = Vehicle(
     audit=_lazy("audit.flight:AUDIT"),
     metrics=_lazy("summary:metrics"),
     summary=_lazy("summary:lines"),
+    figures=_lazy("pictures:FIGURES"),
+    report=_lazy("report:REPORT"),
     signals=_lazy("signals:SIGNALS"),
     outputs=_lazy("outputs:Outputs"),
 )

@@ -1,0 +1,71 @@
+"""A flight with what is told of it, as its pictures and pages read it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
+from spacecraft_gnc.vehicles.two_wheel.summary import states
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
+    from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+
+
+class Flown(Protocol):
+    """One run."""
+
+    @property
+    def name(self) -> str:
+        """How it is called."""
+
+    @property
+    def times(self) -> Array:
+        """(n + 1,) of the states [s]."""
+
+    @property
+    def trajectory(self) -> WheelFlight:
+        """What was flown."""
+
+    @property
+    def scenario(self) -> Scenario | None:
+        """What flew; None: not known."""
+
+    @property
+    def metrics(self) -> dict[str, Any]:
+        """Its summary in numbers."""
+
+
+def error_deg(flight: WheelFlight) -> Array:
+    """Return the angle (n + 1,) from the target to the attitude [deg]."""
+    targets = np.concatenate([flight.target, flight.target[-1:]])
+    return np.degrees(lie.angles_between(targets, states(flight)[1]))
+
+
+def euler_deg(flight: WheelFlight) -> Array:
+    """Return roll, pitch, yaw (n + 1, 3) of the states [deg]."""
+    return np.degrees(to_euler_321(states(flight)[1]))
+
+
+def rate(flight: WheelFlight) -> Array:
+    """Return the rate of the bus (n + 1, 3) in the states, body frame [rad/s]."""
+    return states(flight)[2]
+
+
+def wheel_speed(flight: WheelFlight) -> Array:
+    """Return the wheel speeds (n + 1, m) of the states [rad/s]."""
+    return states(flight)[3]
+
+
+def wheel_names(flight: WheelFlight) -> list[str]:
+    """Return how the wheels are called."""
+    return [f"wheel {i + 1}" for i in range(flight.wheel_speed.shape[1])]
+
+
+def limit_of(scenario: Scenario | None, name: str) -> float:
+    """Return a limit of the wheels; 0: none, or not known."""
+    return 0.0 if scenario is None else float(getattr(scenario.plant, name))

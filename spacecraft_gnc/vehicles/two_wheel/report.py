@@ -1,0 +1,243 @@
+"""What the report's page shows of flights of a spacecraft with wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc.drawing import attitude_view, style
+from spacecraft_gnc.drawing.chart import (
+    HELD,
+    Chart,
+    components,
+    held,
+    named,
+    one_curve_each,
+    over_time,
+    span,
+    times_of,
+)
+from spacecraft_gnc.drawing.table import Row
+from spacecraft_gnc.drawing.traces import (
+    DASHES,
+    Curve,
+    Trace,
+    axis,
+    component_line,
+    limit,
+    log_axis,
+    run_line,
+    trace,
+)
+from spacecraft_gnc.recording.columns import read_columns
+from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel import flown as series
+from spacecraft_gnc.vehicles.two_wheel.flown import Flown
+from spacecraft_gnc.vehicles.two_wheel.summary import states
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.recording.bag import Bag
+    from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
+    from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+
+_COUNTED: Final = {
+    "missing_steps": "steps without a state or a command (gaps in the curves)",
+    "fallback_steps": "steps flown on a fallback command",
+    "missed_deadlines": "commands that came after their deadline",
+}
+
+
+def _never(run: Flown) -> str:
+    return "never" if run.metrics["final_error_deg"] is not None else "unknown"
+
+
+def _none(run: Flown) -> str:
+    return "unknown" if run.scenario is None else "none"
+
+
+def _sources(run: Flown) -> str:
+    return ", ".join(f"{name} {count}" for name, count in run.metrics["sources"].items())
+
+
+ROWS: Final = (
+    Row("Control steps", "steps"),
+    Row("Control period", "period", "s"),
+    Row("Duration", "duration", "s", 8),
+    Row("Error at the end", "final_error_deg", "deg", absent=lambda _: "unknown"),
+    Row("Below 0.01 rad and 0.001 rad/s for good from", "settle_time", "s", absent=_never),
+    Row("Largest wheel speed", "max_wheel_speed", "rad/s", 8),
+    Row("Limit of the wheel speed", "max_wheel_speed_limit", "rad/s", absent=_none),
+    Row("Largest wheel acceleration", "max_wheel_acceleration", "rad/s²", 8),
+    Row("Limit of the acceleration", "max_wheel_acceleration_limit", "rad/s²", absent=_none),
+    Row("Drift of the total momentum", "momentum_drift", "N m s"),
+    Row("Wheel lost at", "wheel_lost_at", "s"),
+    Row("Deadlines missed", "missed_deadlines"),
+    Row("Steps on a fallback command", "fallback_steps"),
+    Row("Incomplete steps", "missing_steps"),
+    Row("Command from", text=_sources),
+)
+
+
+class Telemetry(NamedTuple):
+    """What a bag tells beside the arrays of a flight."""
+
+    missed_deadlines: int | None = None
+    """Steps of a free run whose command came too late; None: no free run."""
+
+
+class WheelReport:
+    """Implements `drawing.vehicle.VehicleReport`."""
+
+    rows = ROWS
+
+    def telemetry(
+        self,
+        flight: WheelFlight,
+        scenario: Scenario | None,
+        bag: Bag | None,
+        namespace: str | None = None,
+    ) -> Telemetry:
+        """Return what a flight tells beside its arrays."""
+        del flight
+        if bag is None or scenario is None or scenario.plant.mode != "free_run":
+            return Telemetry()
+        timing = read_columns(bag, [WALL_TIMING], namespace)[WALL_TIMING]
+        missed = timing.fields.get("missed_deadlines", np.zeros(1, dtype=np.int64))
+        return Telemetry(int(missed.max()))
+
+    def warnings(self, run: Flown) -> Iterator[str]:
+        """Yield what a reader should know before trusting the curves."""
+        for key, what in _COUNTED.items():
+            if run.metrics[key]:
+                yield f"{what}: {run.metrics[key]}"
+
+    def charts(self, runs: Sequence[Flown], points: int) -> Iterator[Chart]:
+        """Yield the diagrams."""
+        yield _error(runs, points)
+        for values in _VECTORS:
+            yield _vector(runs, points, *values)
+        for name, (title, of, unit, line) in _WHEELS.items():
+            yield _wheels(runs, points, name, title, of, unit, **line)
+
+    def scene(self, runs: Sequence[Flown], points: int) -> tuple[dict[str, Any], str]:
+        """Return the attitudes on the unit sphere."""
+        motions = [_motion(run) for run in runs]
+        return (
+            attitude_view.view_data(motions, points),
+            attitude_view.frames_note(motions, points),
+        )
+
+    def scene_script(self) -> str:
+        """Return the code of the view."""
+        return attitude_view.script()
+
+
+REPORT: Final = WheelReport()
+
+
+def _accelerations(flight: WheelFlight) -> Array:
+    return held(flight.wheel_acceleration)
+
+
+def _momentum(flight: WheelFlight) -> Array:
+    return held(flight.total_momentum)
+
+
+_VECTORS: Final = (
+    (
+        "euler",
+        "Attitude",
+        series.euler_deg,
+        "deg",
+        ("roll", "pitch", "yaw"),
+        "3-2-1 Euler angles: R = Rz(yaw) Ry(pitch) Rx(roll).",
+    ),
+    ("rate", "Rate of the bus", series.rate, "rad/s", "xyz", "Components in the body frame."),
+    (
+        "momentum",
+        "Total momentum",
+        _momentum,
+        "N m s",
+        "XYZ",
+        "Of bus and wheels, inertial frame: constant.",
+    ),
+)
+_WHEELS: Final[dict[str, Any]] = {
+    "wheel_speed": ("Wheel speeds", series.wheel_speed, "rad/s", {}),
+    "wheel_acceleration": ("Wheel accelerations", _accelerations, "rad/s²", HELD),
+}
+
+
+def _error(runs: Sequence[Flown], points: int) -> Chart:
+    traces = one_curve_each(
+        runs, points, lambda run: series.error_deg(run.trajectory), "angle to the target"
+    )
+    return Chart(
+        "error",
+        "Attitude error",
+        "Angle from the attitude to the target.",
+        over_time(runs, traces, log_axis("angle [deg]")),
+        scale="yaxis",
+    )
+
+
+def _vector(
+    runs: Sequence[Flown],
+    points: int,
+    name: str,
+    title: str,
+    values: Callable[[WheelFlight], Array],
+    unit: str,
+    names: Sequence[str],
+    note: str,
+) -> Chart:
+    prefixed = (
+        style.Unit(unit, 1.0)
+        if unit == "deg"
+        else style.prefixed(unit, *(values(run.trajectory) for run in runs))
+    )
+    drawn = components(
+        runs, points, lambda run: values(run.trajectory), names, title.lower(), prefixed
+    )
+    return Chart(name, title, note, drawn, tall=len(runs) > 1)
+
+
+def _wheels(
+    runs: Sequence[Flown],
+    points: int,
+    name: str,
+    title: str,
+    values: Callable[[WheelFlight], Array],
+    unit: str,
+    **line: Any,
+) -> Chart:
+    """Return a diagram with a curve for each wheel of each run, and the limits."""
+    traces: list[Trace] = []
+    for i, run in enumerate(runs):
+        data = values(run.trajectory)
+        for j, wheel in enumerate(series.wheel_names(run.trajectory)):
+            look = component_line(j) if len(runs) == 1 else run_line(i)
+            look = {**look, "dash": DASHES[j % len(DASHES)], **line}
+            curve = Curve(times_of(run, data), data[:, j], named(runs, run, wheel), look)
+            traces.append(trace(curve, points))
+    for bound in sorted({series.limit_of(run.scenario, f"max_{name}") for run in runs} - {0.0}):
+        traces += [
+            limit(span(runs), (side, side), f"limit {side:g} {unit}") for side in (bound, -bound)
+        ]
+    note = "Relative to the bus" + (", held over each control period." if line else ".")
+    return Chart(name, title, note, over_time(runs, traces, axis(f"{title.lower()} [{unit}]")))
+
+
+def _motion(run: Flown) -> attitude_view.Motion:
+    flight = run.trajectory
+    return attitude_view.Motion(
+        name=run.name,
+        times=run.times,
+        attitudes=states(flight)[1],
+        references=np.concatenate([flight.reference, flight.reference[-1:]]),
+        error_deg=series.error_deg(flight),
+        vectors={"rate, body [rad/s]": series.rate(flight)},
+    )
