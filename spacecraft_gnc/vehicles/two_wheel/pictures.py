@@ -20,8 +20,10 @@ from spacecraft_gnc.vehicles.two_wheel.flown import Flown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
+    from spacecraft_gnc.vehicles.two_wheel.resolve import Resolved
 
 _OVERVIEW: Final = (6.3, 9.6)  # [inch]
 
@@ -66,6 +68,21 @@ class WheelFigures:
 FIGURES: Final = WheelFigures()
 
 
+def replay_figure(resolved: Resolved, names: tuple[str, str], title: str) -> Figure:
+    """Return the commands as flown and as replayed, and their difference."""
+    wheels = [f"wheel {i + 1}" for i in range(resolved.recorded.shape[1])]
+    lines = partial(partial, _lines, times=resolved.times, names=wheels, unit="rad/s²")
+    figure = stacked(
+        _OVERVIEW,
+        lines(values=resolved.recorded, title=f"As flown, {names[0]}"),
+        lines(values=resolved.replayed, title=f"Replayed, {names[1]}"),
+        lines(values=resolved.replayed - resolved.recorded, title="Difference"),
+    )
+    with style.applied():
+        figure.suptitle(title, fontsize=12, fontweight="bold")
+    return figure
+
+
 def _diagrams(run: Flown, scale: str) -> dict[str, Draw]:
     """Return what draws each quantity of a flight into given axes."""
     flight, scenario, names = run.trajectory, run.scenario, series.wheel_names(run.trajectory)
@@ -96,7 +113,7 @@ def _diagrams(run: Flown, scale: str) -> dict[str, Draw]:
     }  # fmt: skip
 
 
-def _overview(draw: dict[str, Draw], title: str) -> Any:
+def _overview(draw: dict[str, Draw], title: str) -> Figure:
     names = ("error", "euler", "speed", "acceleration")
     figure = stacked(_OVERVIEW, *(draw[name] for name in names))
     if title:

@@ -1,0 +1,173 @@
+"""Every recorded step answered again, by the same controller or by another one.
+
+The controller is given the recorded state and reference of each step, so it never flies away from
+the recording: differences of the commands are differences of the controllers alone.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.loop.protocols import Reference
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.state import WheelState
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
+    from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+
+_STILL: Final = np.zeros(3)
+
+
+class Resolved(NamedTuple):
+    """Recorded commands beside those of another controller; row i is step ``steps[i]``."""
+
+    steps: NDArray[np.int64]
+    """(k,) steps compared; those without a recorded state, reference or command are not."""
+    times: Array
+    """(k,) [s]."""
+    recorded: Array
+    """(k, m) accelerations as they flew [rad/s^2]."""
+    replayed: Array
+    """(k, m) accelerations of the other controller [rad/s^2]."""
+    wall_times: Array
+    """(k,) of its answers [s]."""
+
+    @property
+    def difference(self) -> Array:
+        """(k,) largest difference of a wheel's acceleration [rad/s^2]."""
+        return np.asarray(np.abs(self.replayed - self.recorded).max(axis=1))
+
+    @property
+    def first_difference(self) -> int | None:
+        """First step whose commands are not equal bit for bit; None where all are."""
+        differ = (self.replayed != self.recorded).any(axis=1)
+        return int(self.steps[np.argmax(differ)]) if differ.any() else None
+
+
+class WheelReplay:
+    """Implements `vehicles.replay.VehicleReplay`."""
+
+    control = "acceleration"
+
+    def resolve(
+        self,
+        flight: WheelFlight,
+        recorded: Scenario,
+        revised: Scenario,
+        *,
+        steps: tuple[int, int] | None = None,
+        cold: bool = False,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Resolved:
+        """Answer every recorded step again; ``cold``: forget the past before each.
+
+        Raises
+        ------
+        ParameterError
+            If the periods of the two differ, or no step can be compared.
+        """
+        del recorded
+        controller = revised.build_controller()
+        if not math.isclose(controller.period, flight.period, rel_tol=1e-9):
+            raise ParameterError(
+                f"nmpc_controller.time_step: received {controller.period:g} s; required the period "
+                f"of the flight, {flight.period:g} s, at which its states were recorded; leave it "
+                "out"
+            )
+        chosen = _complete(flight, *(steps or (0, flight.n_steps)))
+        controller.warm_up()
+        controller.reset()
+        answers, walls = [], []
+        for i, k in enumerate(chosen.tolist()):
+            if cold:
+                controller.reset()
+            begun = time.perf_counter()
+            reference = Reference(flight.reference[k], _STILL, _STILL)
+            answers.append(controller.command(_state(flight, k), reference).control)
+            walls.append(time.perf_counter() - begun)
+            if progress is not None:
+                progress(i + 1, len(chosen))
+        flown = flight.wheel_acceleration[chosen]
+        return Resolved(chosen, flight.time[chosen], flown, np.array(answers), np.array(walls))
+
+    def compare(self, resolved: Resolved, recorded: Scenario, revised: Scenario) -> dict[str, Any]:
+        """Return the comparison in numbers, ready for JSON."""
+        return {
+            "steps": len(resolved.steps),
+            "first_difference": resolved.first_difference,
+            "max_acceleration_difference": float(resolved.difference.max()),
+            "recorded": _side(recorded, resolved.recorded, None),
+            "replayed": _side(revised, resolved.replayed, resolved.wall_times),
+        }
+
+    def sides(self, old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
+        """Return the rows of a table: what it is, as flown, as replayed."""
+        return [
+            ("method", old["method"], new["method"]),
+            ("largest acceleration", *(f"{s['max_acceleration']:.6g} rad/s^2" for s in (old, new))),
+            ("time a command, median", "-", f"{1e6 * new['solve_time_median']:.0f} us"),
+        ]
+
+    def differences(self, numbers: dict[str, Any], period: float) -> list[tuple[str, str]]:
+        """Return the rows that hold for both together."""
+        first = numbers["first_difference"]
+        where = "none, bit for bit" if first is None else f"step {first}, {first * period:g} s"
+        largest = f"{numbers['max_acceleration_difference']:.3g} rad/s^2"
+        return [("first difference", where), ("largest difference", largest)]
+
+    def figure(self, resolved: Resolved, names: tuple[str, str], title: str = "") -> Figure:
+        """Draw both commands, and their difference."""
+        from spacecraft_gnc.vehicles.two_wheel.pictures import replay_figure
+
+        return replay_figure(resolved, names, title)
+
+
+REPLAY: Final = WheelReplay()
+
+
+def _state(flight: WheelFlight, k: int) -> WheelState:
+    return WheelState(
+        k,
+        flight.attitude[k],
+        flight.angular_velocity[k],
+        flight.wheel_speed[k],
+        flight.total_momentum[k],
+        flight.healthy[k],
+    )
+
+
+def _complete(flight: WheelFlight, first: int, end: int) -> NDArray[np.int64]:
+    """Return the steps from ``first`` to before ``end`` whose messages were all recorded."""
+    n = flight.n_steps
+    if not 0 <= first < end <= n:
+        raise ParameterError(
+            f"--steps: received {first}:{end}; required A:B with 0 <= A < B <= {n}, the number of "
+            f"steps of the flight; give for example 0:{n}"
+        )
+    rows = (flight.attitude, flight.reference, flight.wheel_speed, flight.wheel_acceleration)
+    numbers = np.hstack([array[first:end].reshape(end - first, -1) for array in rows])
+    steps = first + np.flatnonzero(np.isfinite(numbers).all(axis=1))
+    if not steps.size:
+        raise ParameterError(
+            f"--steps: received {first}:{end}, in which every step lacks a state, a reference or a "
+            "command; required at least one complete step; choose others"
+        )
+    return steps
+
+
+def _side(scenario: Scenario, commands: Array, walls: Array | None) -> dict[str, Any]:
+    return {
+        "method": scenario.controller.method,
+        "max_acceleration": float(np.abs(commands).max()),
+        "solve_time_median": None if walls is None else float(np.median(walls)),
+    }
