@@ -101,7 +101,9 @@ def vector_angle(first: Array, second: Array) -> Array:
     vector is not known, 0 where one of them has no length.
     """
     sine = np.linalg.norm(np.cross(first, second), axis=-1)
-    return np.asarray(np.arctan2(sine, np.sum(np.multiply(first, second), axis=-1)))
+    is_one = np.ndim(second) == 1
+    cosine = first @ second if is_one else np.sum(np.multiply(first, second), axis=-1)
+    return np.asarray(np.arctan2(sine, cosine))
 
 
 def angles_between(first: Array, second: Array) -> Array:

@@ -102,3 +102,13 @@ def test_quaternions_that_are_none_are_refused():
         lie.from_quaternion_xyzw(np.array([math.nan, 0.0, 0.0, 1.0]))
     with pytest.raises(ShapeError, match="x, y, z, w"):
         lie.from_quaternion_xyzw(np.zeros(3))
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-3, 1.0, math.pi - 1e-9, math.pi])
+def test_the_angle_between_vectors_is_exact_at_both_ends(angle):
+    first = np.array([[3.0, 0.0, 0.0], [0.0, 0.0, 0.5]])
+    second = np.array([math.cos(angle), math.sin(angle), 0.0])
+    found = lie.vector_angle(first, 2.0 * second)
+    assert found == pytest.approx([angle, 0.5 * math.pi], abs=1e-15)
+    assert lie.vector_angle(first, np.stack([second, second])) == pytest.approx(found, abs=1e-15)
+    assert np.isnan(lie.vector_angle(np.full(3, np.nan), second))
