@@ -5,40 +5,25 @@ from __future__ import annotations
 import time
 import traceback
 from collections.abc import Callable
-from contextlib import ExitStack
 from typing import Any, ClassVar
 
 from diagnostic_msgs.msg import DiagnosticStatus
-from rclpy.clock import Clock, ClockType
-from rclpy.duration import Duration
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
-from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
-from rclpy.parameter import Parameter
-from rclpy.publisher import Publisher
-from rclpy.subscription import Subscription
-from rclpy.timer import Timer
+from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
-from spacecraft_gnc.nodes._readiness import Readiness
-from spacecraft_gnc.ros.endpoints import message_type
+from spacecraft_gnc.nodes._ends import NodeWithEnds
 from spacecraft_gnc.ros.graph_of import members_of
 from spacecraft_gnc.ros.parameters import load_scenario
-from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.graph import DIAGNOSTICS, READY, RECORDER
-from spacecraft_gnc.signals.members import Members, Place
 from spacecraft_gnc.signals.message import Stamp
-from spacecraft_gnc.signals.qos import QosProfile
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
 _MOST_REPEATS = 20  # of a state that a restarted node waits through for its peers
 _SETTLING = 1.0  # [s] wall time from when a restarted node has found its peers
-_ACKNOWLEDGED_WITHIN = Duration(seconds=1)  # wall time granted to slow readers
 
 
-class GncNode(LifecycleNode):
+class GncNode(NodeWithEnds):
     """A lifecycle node around one core.
 
     Subclasses fill in `build`, `open`, `start` and `stop`. These may raise `GncError`, which
@@ -49,14 +34,9 @@ class GncNode(LifecycleNode):
     """Section of the scenario, and the node's default name."""
 
     scenario: Scenario
-    members: Members
-    """Nodes of the graph."""
-    place: Place
-    """Where this one stands in it."""
 
     def __init__(self, namespace: str | None = None) -> None:
-        simulated = [Parameter("use_sim_time", value=True)]
-        super().__init__(self.ROLE, namespace=namespace, parameter_overrides=simulated)
+        super().__init__(self.ROLE, namespace)
         self.active = False
         self.finished = False
         """The node has done its work; the runner ends it."""
@@ -66,10 +46,6 @@ class GncNode(LifecycleNode):
         """Whether the runner prints why a transition failed, so that the log need not."""
         self.refused = 0
         """Messages that were rejected since the node was configured."""
-        self.steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._resources = ExitStack()
-        self._open_publishers: list[Publisher] = []
-        self._readiness: Readiness | None = None
         self._called = False
         self._matched_at: float | None = None
         self._asked = 0
@@ -145,7 +121,7 @@ class GncNode(LifecycleNode):
         try:
             self._build_and_open()
         except BaseException:
-            self._close()  # nothing half-made stays
+            self.close()  # nothing half-made stays
             raise
 
     def _build_and_open(self) -> None:
@@ -153,7 +129,7 @@ class GncNode(LifecycleNode):
         self.refused = 0
         self.members = members_of(self.scenario)
         self.place = self.members.place(self.get_namespace(), self.ROLE)
-        self._readiness = Readiness()
+        self.expect_peers()
         self.build(self.scenario)
         if self.ROLE in READY.publishers:
             self._ready = self.advertise(READY)
@@ -182,14 +158,8 @@ class GncNode(LifecycleNode):
     def _cleanup(self) -> None:
         if self.active:
             self._deactivate()
-        for publisher in self._open_publishers:
-            publisher.wait_for_all_acked(_ACKNOWLEDGED_WITHIN)
-        self._close()
-
-    def _close(self) -> None:
-        self._open_publishers.clear()
-        self._readiness = None
-        self._resources.close()
+        self.await_readers()
+        self.close()
 
     def _attempt(self, transition: Callable[[], None]) -> TransitionCallbackReturn:
         """Run a transition; rclpy itself would swallow the reason of a failure."""
@@ -207,87 +177,10 @@ class GncNode(LifecycleNode):
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
 
-    # Endpoints.
-
-    def advertise(self, signal: Signal, agent: str | None = None) -> Publisher:
-        """Publish a signal, of this node's agent or another; the endpoint lives until clean-up."""
-        place = self.place if agent is None else self.place.of_agent(agent)
-        publisher = self.create_publisher(
-            message_type(signal.type),
-            place.topic(signal),
-            ros_qos(signal.qos),
-            event_callbacks=PublisherEventCallbacks(matched=self._on_match),
-        )
-        self.on_close(self.destroy_publisher, publisher)
-        self._open_publishers.append(publisher)
-        count = self.members.subscribers(signal, place.agent)
-        self._expect(place, signal, count, publisher.get_subscription_count)
-        return publisher
-
-    def listen(
-        self,
-        signal: Signal,
-        callback: Callable[..., None],
-        agent: str | None = None,
-        *,
-        qos: QosProfile | None = None,
-        watch: SequenceWatch | None = None,
-    ) -> Subscription:
-        """Receive the serialized messages of a signal: ``callback(data)``.
-
-        With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``.
-        """
-        place = self.place if agent is None else self.place.of_agent(agent)
-        subscription = self.subscribe(
-            place.topic(signal),
-            message_type(signal.type),
-            ros_qos(qos or signal.qos),
-            callback,
-            watch,
-        )
-        count = self.members.publishers(signal, place.agent)
-        self._expect(place, signal, count, subscription.get_publisher_count)
-        return subscription
-
-    def subscribe(
-        self,
-        topic: str,
-        kind: Any,
-        qos: Any,
-        callback: Callable[..., None],
-        watch: SequenceWatch | None = None,
-    ) -> Subscription:
-        """Receive the serialized messages of any topic, as `listen` does."""
-        callbacks = SubscriptionEventCallbacks(matched=self._on_match)
-        if watch is not None:
-            callback = with_info(callback)
-            callbacks.matched = watch.before(self._on_match)
-        subscription = self.create_subscription(
-            kind, topic, callback, qos, event_callbacks=callbacks, raw=True
-        )
-        self.on_close(self.destroy_subscription, subscription)
-        return subscription
-
-    def _expect(self, place: Place, signal: Signal, count: int, current: Callable[[], int]) -> None:
-        if self._readiness is not None:
-            self._readiness.expect(place.within_graph(signal), count, current)
-
-    def every(self, wall_period: float, callback: Callable[[], None]) -> Timer:
-        """Call back every ``wall_period`` seconds of wall time."""
-        return self.own(self.create_timer(wall_period, callback, clock=self.steady))
-
-    def own(self, timer: Timer) -> Timer:
-        """Destroy ``timer`` on clean-up."""
-        self.on_close(self.destroy_timer, timer)
-        return timer
-
-    def on_close(self, give_back: Callable[..., Any], *arguments: Any) -> None:
-        """Call ``give_back(*arguments)`` on clean-up, the latest first."""
-        self._resources.callback(give_back, *arguments)
-
     # Readiness.
 
-    def _on_match(self, _: Any) -> None:
+    def on_match(self) -> None:
+        """Announce the node once every endpoint is matched."""
         self._check_ready()
 
     def _check_ready(self) -> None:
@@ -297,10 +190,6 @@ class GncNode(LifecycleNode):
         if self.ROLE in READY.publishers:
             self._ready.publish(READY.encode((0, 0), 0, [self.place.node(self.ROLE)]))
         self.on_everyone_ready()
-
-    def missing(self) -> tuple[str, ...]:
-        """Topics that still lack a counterpart."""
-        return () if self._readiness is None else self._readiness.missing()
 
     # Trouble.
 

@@ -1,0 +1,152 @@
+"""What a node publishes and hears, until it is cleaned up, and whether its peers are there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Any
+
+from rclpy.clock import Clock, ClockType
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.lifecycle import LifecycleNode
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+
+from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
+from spacecraft_gnc.nodes._readiness import Readiness
+from spacecraft_gnc.ros.endpoints import message_type
+from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.members import Members, Place
+from spacecraft_gnc.signals.qos import QosProfile
+
+_ACKNOWLEDGED_WITHIN = Duration(seconds=1)  # wall time granted to slow readers
+
+
+class NodeWithEnds(LifecycleNode):
+    """A lifecycle node whose endpoints are those of signals.
+
+    Parameters
+    ----------
+    name
+        Of the node.
+    namespace
+        Of the node; None: that of its process.
+    """
+
+    members: Members
+    """Nodes of the graph."""
+    place: Place
+    """Where this one stands in it."""
+
+    def __init__(self, name: str, namespace: str | None) -> None:
+        simulated = [Parameter("use_sim_time", value=True)]
+        super().__init__(name, namespace=namespace, parameter_overrides=simulated)
+        self.steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._resources = ExitStack()
+        self._open_publishers: list[Publisher] = []
+        self._readiness: Readiness | None = None
+
+    def on_match(self) -> None:
+        """Notice that an endpoint was matched."""
+
+    def expect_peers(self) -> None:
+        """Wait for the counterparts of the endpoints that are opened from here on."""
+        self._readiness = Readiness()
+
+    def missing(self) -> tuple[str, ...]:
+        """Topics that still lack a counterpart."""
+        return () if self._readiness is None else self._readiness.missing()
+
+    def advertise(self, signal: Signal, agent: str | None = None) -> Publisher:
+        """Publish a signal, of this node's agent or another; the endpoint lives until clean-up."""
+        place = self.place if agent is None else self.place.of_agent(agent)
+        publisher = self.create_publisher(
+            message_type(signal.type),
+            place.topic(signal),
+            ros_qos(signal.qos),
+            event_callbacks=PublisherEventCallbacks(matched=self._on_match),
+        )
+        self.on_close(self.destroy_publisher, publisher)
+        self._open_publishers.append(publisher)
+        count = self.members.subscribers(signal, place.agent)
+        self._expect(place, signal, count, publisher.get_subscription_count)
+        return publisher
+
+    def listen(
+        self,
+        signal: Signal,
+        callback: Callable[..., None],
+        agent: str | None = None,
+        *,
+        qos: QosProfile | None = None,
+        watch: SequenceWatch | None = None,
+    ) -> Subscription:
+        """Receive the serialized messages of a signal: ``callback(data)``.
+
+        With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``.
+        """
+        place = self.place if agent is None else self.place.of_agent(agent)
+        subscription = self.subscribe(
+            place.topic(signal),
+            message_type(signal.type),
+            ros_qos(qos or signal.qos),
+            callback,
+            watch,
+        )
+        count = self.members.publishers(signal, place.agent)
+        self._expect(place, signal, count, subscription.get_publisher_count)
+        return subscription
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: Any,
+        qos: Any,
+        callback: Callable[..., None],
+        watch: SequenceWatch | None = None,
+    ) -> Subscription:
+        """Receive the serialized messages of any topic, as `listen` does."""
+        callbacks = SubscriptionEventCallbacks(matched=self._on_match)
+        if watch is not None:
+            callback = with_info(callback)
+            callbacks.matched = watch.before(self._on_match)
+        subscription = self.create_subscription(
+            kind, topic, callback, qos, event_callbacks=callbacks, raw=True
+        )
+        self.on_close(self.destroy_subscription, subscription)
+        return subscription
+
+    def _expect(self, place: Place, signal: Signal, count: int, current: Callable[[], int]) -> None:
+        if self._readiness is not None:
+            self._readiness.expect(place.within_graph(signal), count, current)
+
+    def every(self, wall_period: float, callback: Callable[[], None]) -> Timer:
+        """Call back every ``wall_period`` seconds of wall time."""
+        return self.own(self.create_timer(wall_period, callback, clock=self.steady))
+
+    def own(self, timer: Timer) -> Timer:
+        """Destroy ``timer`` on clean-up."""
+        self.on_close(self.destroy_timer, timer)
+        return timer
+
+    def on_close(self, give_back: Callable[..., Any], *arguments: Any) -> None:
+        """Call ``give_back(*arguments)`` on clean-up, the latest first."""
+        self._resources.callback(give_back, *arguments)
+
+    def await_readers(self) -> None:
+        """Wait a little until what was published is acknowledged."""
+        for publisher in self._open_publishers:
+            publisher.wait_for_all_acked(_ACKNOWLEDGED_WITHIN)
+
+    def close(self) -> None:
+        """Give everything back."""
+        self._open_publishers.clear()
+        self._readiness = None
+        self._resources.close()
+
+    def _on_match(self, _: Any) -> None:
+        self.on_match()
