@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spacecraft_gnc.analysis.reader import Flight, is_npz
-from spacecraft_gnc.analysis.vehicle import part
+from spacecraft_gnc.analysis.vehicle import has_part, part
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.types import Array
 
@@ -30,7 +30,7 @@ class Flown:
     trajectory, info
         What was recorded.
     telemetry
-        What the vehicle reads beside them.
+        What the vehicle reads beside them; None where its report reads nothing.
     scenario
         What flew, from the recording or from the user; None: not known.
     """
@@ -69,6 +69,8 @@ def flown(
 
 def _telemetry(flight: Flight, scenario: Scenario | None, *, allow_unfinished: bool) -> Any:
     """Return what a flight tells beside its arrays, from its bag where it has one."""
+    if not has_part("report", scenario):
+        return None
     vehicle: VehicleReport = part("report", scenario)
     path = flight.info.path
     if is_npz(path):

@@ -14,6 +14,7 @@ from spacecraft_gnc.vehicles.registry import VEHICLES, is_known, vehicle_of
 if TYPE_CHECKING:
     from spacecraft_gnc.recording.bag import Bag
     from spacecraft_gnc.scenario import Scenario
+    from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 
 def part(name: str, scenario: Scenario | None = None) -> Any:
@@ -31,7 +32,7 @@ def part(name: str, scenario: Scenario | None = None) -> Any:
     ParameterError
         If the vehicle has no such part.
     """
-    vehicle = vehicle_of(DEFAULT_VEHICLE) if scenario is None else scenario.vehicle
+    vehicle = _vehicle(scenario)
     found: Lazy | None = getattr(vehicle, name)
     if found is None:
         raise ParameterError(
@@ -39,6 +40,15 @@ def part(name: str, scenario: Scenario | None = None) -> Any:
             "does not have; required a vehicle with that part; see docs/architecture.md"
         )
     return found.load()
+
+
+def has_part(name: str, scenario: Scenario | None = None) -> bool:
+    """Tell whether the vehicle that flew has a part."""
+    return getattr(_vehicle(scenario), name) is not None
+
+
+def _vehicle(scenario: Scenario | None) -> Vehicle:
+    return vehicle_of(DEFAULT_VEHICLE) if scenario is None else scenario.vehicle
 
 
 def common_part(name: str, scenarios: Sequence[Scenario | None]) -> Any:
@@ -49,7 +59,7 @@ def common_part(name: str, scenarios: Sequence[Scenario | None]) -> Any:
     ParameterError
         If they are of different vehicles.
     """
-    vehicles = dict.fromkeys(DEFAULT_VEHICLE if s is None else s.vehicle.name for s in scenarios)
+    vehicles = dict.fromkeys(_vehicle(scenario).name for scenario in scenarios)
     if len(vehicles) > 1:
         raise ParameterError(
             f"runs: received flights of vehicles {', '.join(vehicles)}; required flights of one; "

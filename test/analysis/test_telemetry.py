@@ -33,6 +33,7 @@ def test_what_the_plant_published_is_kept_by_step(tmp_path):
                 orthogonality_error=1e-16 * step,
                 applied_torque=CODEC.vector([0.0, 0.0, 0.0]),
                 applied_source=0,
+                external_torque=CODEC.vector([0.0, 0.0, 0.0]),
             )
             name = "spacecraft_gnc_msgs/msg/PlantInvariants"
             items.append((topic, step, bytes(CODEC.store.serialize_cdr(message, name))))

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.vehicle import part
 from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.drawing.zones import Zone, pointing_margin_deg, unit
 from spacecraft_gnc.scenario import Scenario
@@ -75,20 +76,22 @@ class Setup:
 
     @classmethod
     def of(cls, scenario: Scenario, title: str, *, live: bool) -> Setup:
-        """Take over what a scenario tells."""
-        governor, controller = scenario.governor, scenario.controller
-        governed = governor.governor != "none"
+        """Take over what a scenario tells, and what its vehicle draws all along.
+
+        Raises
+        ------
+        ParameterError
+            If the vehicle cannot be watched.
+        """
         return cls(
             title=title,
             live=live,
             period=scenario.period,
             n_steps=scenario.n_steps,
-            torque_limit=controller.max_torque or (governor.max_torque if governed else 0.0),
             mode=scenario.plant.mode,
-            method=controller.method,
-            governor=governor.governor,
-            target=lie.exp(governor.target_rotation_vector),
-            zones=controller.zones,
+            method=scenario.controller.method,
+            governor=scenario.governor.governor,
+            **part("live", scenario)(scenario),
         )
 
     def as_json(self) -> dict[str, Any]:

@@ -77,6 +77,7 @@ def read_run(
     """
     flight = load_run(path, namespace=namespace, allow_unfinished=allow_unfinished)
     known = flight.info.scenario or scenario
+    part("report", known)  # refuses a vehicle without one
     run = flown(name, flight, known, allow_unfinished=allow_unfinished)
     missed = {"missed_deadlines": run.telemetry.missed_deadlines}
     verdict = audit_verdict(

@@ -41,6 +41,7 @@ VEHICLE: Final = Vehicle(
     summary=_lazy("metrics.rows:summary_rows"),
     figures=_lazy("pictures:FIGURES"),
     report=_lazy("report:REPORT"),
+    live=_lazy("live:constants"),
     signals=_lazy("signals:SIGNALS"),
     outputs=_lazy("outputs:Outputs"),
     resolve=_lazy("resolve:REPLAY"),
