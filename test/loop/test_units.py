@@ -13,10 +13,17 @@ import numpy as np
 import pytest
 from rescaled import rescaled
 
-from spacecraft_gnc.scenario import load_fleet
+from spacecraft_gnc.scenario import load, load_fleet
 
 CONFIG = Path(__file__).parents[2] / "config"
-SCENARIOS = sorted(path.name for path in CONFIG.glob("*.yaml") if len(load_fleet(path).agents) == 1)
+
+
+def is_one_rigid_body(path: Path) -> bool:
+    agents = [*load_fleet(path).agents]
+    return len(agents) == 1 and load(path).vehicle.name == "rigid_body"
+
+
+SCENARIOS = sorted(path.name for path in CONFIG.glob("*.yaml") if is_one_rigid_body(path))
 PLAIN = (1.0, 1.0, 1.0)
 POWERS = (2.0**-18, 2.0**5, 2.0**9)
 OTHERS = [(1e-6, 1.0, 1.0), (1e5, 1.0, 1.0), (1.0, 60.0, 1.0), (1.0, 1.0, 1e-9)]
