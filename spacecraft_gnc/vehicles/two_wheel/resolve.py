@@ -112,9 +112,10 @@ class WheelReplay:
 
     def sides(self, old: dict[str, Any], new: dict[str, Any]) -> list[tuple[str, str, str]]:
         """Return the rows of a table: what it is, as flown, as replayed."""
+        flown, again = (f"{side['max_acceleration']:.6g} rad/s^2" for side in (old, new))
         return [
             ("method", old["method"], new["method"]),
-            ("largest acceleration", *(f"{s['max_acceleration']:.6g} rad/s^2" for s in (old, new))),
+            ("largest acceleration", flown, again),
             ("time a command, median", "-", f"{1e6 * new['solve_time_median']:.0f} us"),
         ]
 

@@ -24,6 +24,9 @@ ROUNDING: Final = 64.0 * 2.0**-53
 """Share of the largest magnitude that sums of a few products may be off."""
 _FINER: Final = 4  # steps of Runge and Kutta in one of the plant
 _FLOOR: Final = 1e-12  # of an attitude, whatever the step
+_ERROR: Final = 1e-3
+"""Error of an integrator step over the fifth power of its turn; some 1e-6 for the plant's method,
+3e-5 for this one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,8 +78,7 @@ class Equations:
         Returns
         -------
         attitudes, speeds, limits : (n, 3, 3), (n, m), (n,) arrays
-            After the step, and what the plant's attitude may be off: the fifth power of the turn
-            in one integrator step, which is more than its method's error, and a floor.
+            After the step, and what the plant's attitude may be off, by the order of its method.
         """
         attitudes, rates, speeds, total, healthy = _stacked(states)
         wanted = np.clip(commands, -self.max_acceleration, self.max_acceleration)
@@ -89,7 +91,7 @@ class Equations:
             for i in range(_FINER):
                 attitudes = self._advanced(attitudes, total, speeds + i * h * slope, slope, h)
             speeds = later
-        limits = self.substeps * (self.step_length * fastest) ** 5 + _FLOOR
+        limits = _ERROR * self.substeps * (self.step_length * fastest) ** 5 + _FLOOR
         return attitudes, speeds, limits
 
     def _advanced(self, attitudes: Array, total: Array, nu: Array, slope: Array, h: float) -> Array:
