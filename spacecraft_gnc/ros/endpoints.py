@@ -116,7 +116,8 @@ def message_type(name: str) -> Any:
             return getattr(getattr(module, action).Impl, part)
         return getattr(module, leaf)
     except AttributeError as error:
-        raise ImportError(f"{package}.{kind} has no {leaf}") from error
+        remedy = f"required; build {package} again, in a checkout by `make setup`"
+        raise ImportError(f"{package}.{kind} has no {leaf}, which is {remedy}") from error
 
 
 def matching(profiles: Sequence[QoSProfile]) -> QoSProfile:
