@@ -45,7 +45,7 @@ class Rates:
         if duration >= _RATE_WINDOW:
             counts = {topic: inbox.count for topic, inbox in self._inboxes.items()}
             if math.isfinite(duration):
-                new = {topic: counts[topic] - self._counts[topic] for topic in counts}
+                new = {topic: counts[topic] - self._counts.get(topic, 0) for topic in counts}
                 self._rates = {topic: n / duration for topic, n in new.items()}
             self._since, self._counts = now, counts
         return self._rates

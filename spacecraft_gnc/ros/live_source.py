@@ -20,17 +20,13 @@ from spacecraft_gnc.analysis.live.picture import (
 )
 from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.launcher import domain
-from spacecraft_gnc.recording.stamps import step_of
-from spacecraft_gnc.ros.endpoints import full_topic_name, message_type
 from spacecraft_gnc.ros.graph import GraphView
-from spacecraft_gnc.ros.graph_of import vehicle_signals
-from spacecraft_gnc.ros.inboxes import Inbox, Rates
-from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.ros.inboxes import Rates
 from spacecraft_gnc.ros.setup_reader import SetupReader
-from spacecraft_gnc.signals import Message, Refused, Signal
+from spacecraft_gnc.ros.watched import WatchedTopics
+from spacecraft_gnc.signals import Refused, Signal
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.signals.graph import WALL_TIMING
-from spacecraft_gnc.signals.members import Seams
 from spacecraft_gnc.types import Matrix3
 
 _STALE: Final = 2.0  # [s] wall without a state, at least; a slow flight has its own pace
@@ -69,35 +65,14 @@ class LiveSource:
         prefix = f"/{space}/" if space else "/"
         self.setup = Setup(title=_title(view.domain_id), live=True)
         self.history = History()
-        signals = vehicle_signals()
-        self._seams = Seams.among(signals)
-        self._state_name = full_topic_name(view.node, f"{prefix}{self._seams.state}")
         self._reader = SetupReader(view.node, prefix)
-        self._signals = {s.name: s for s in (*signals, WALL_TIMING) if s.is_stepped}
-        self._inboxes = {name: Inbox() for name in self._signals}
-        for signal in self._signals.values():
-            self._listen(signal, prefix)
+        self._topics = WatchedTopics(view, prefix, self._note_message)
+        self._inboxes = self._topics.inboxes
         self._rates = Rates(self._inboxes)
         self._look_at, self._publishers = -math.inf, 0
         self._step = self._sampled = -1
         self._arrived = self._interval = 0.0
         self._targets: dict[int, Matrix3] = {}
-
-    def _listen(self, signal: Signal, prefix: str) -> None:
-        inbox = self._inboxes[signal.name]
-        notes = {self._seams.state: self._note_step, self._seams.accepted: self._note_target}
-        note = notes.get(signal)
-
-        def take(data: bytes) -> None:
-            step = step_of(data)
-            if step is None:
-                return
-            if note is not None:
-                note(step, data)
-            inbox.put(step, data)
-
-        kind, qos = message_type(signal.type), ros_qos(signal.qos)
-        self._view.node.create_subscription(kind, f"{prefix}{signal}", take, qos, raw=True)
 
     @property
     def heard(self) -> bool:
@@ -119,7 +94,7 @@ class LiveSource:
         now = self._clock()
         self._read_setup()
         if now - self._look_at >= _LOOK:
-            self._look_at, self._publishers = now, len(self._view.publishers(self._state_name))
+            self._look_at, self._publishers = now, self._topics.publishers()
         self._sample()
         phase = self._phase(now)
         if not self.heard:
@@ -128,7 +103,13 @@ class LiveSource:
 
     # What arrives.
 
-    def _note_step(self, step: int, _: bytes) -> None:
+    def _note_message(self, signal: Signal, step: int, data: bytes) -> None:
+        if signal is ACCEPTED_TARGET:
+            self._note_target(step, data)
+        elif signal is self._topics.seams.state:
+            self._note_step(step)
+
+    def _note_step(self, step: int) -> None:
         now = self._clock()
         if step < self._step:  # another flight begins
             self._forget()
@@ -159,7 +140,10 @@ class LiveSource:
     def _read_setup(self) -> None:
         found = self._reader.poll(self._clock())
         if found is not None:
+            strip = self.setup.strip
             self.setup = Setup.of(found, _title(self._view.domain_id), live=True)
+            if self.setup.strip != strip:  # samples have other columns from here on
+                self.history.clear()
 
     # What it looks like.
 
@@ -175,7 +159,7 @@ class LiveSource:
         where = f"ROS_DOMAIN_ID={self._view.domain_id}"
         if phase is Phase.WAITING:
             who = "a plant is there, but has not begun" if self._publishers else "no plant is there"
-            return f"nothing received yet from {self._state_name} on {where}: {who}"
+            return f"nothing received yet from {self._topics.state_name} on {where}: {who}"
         if phase is Phase.OVER:
             return f"the flight is over; its end is shown until another one begins on {where}"
         if phase is Phase.STALE:
@@ -184,25 +168,26 @@ class LiveSource:
 
     def _sample(self) -> None:
         """Sample the steps before the newest, whose reference and torque have come by now."""
-        states = self._inboxes[self._seams.state.name].messages
+        states = self._inboxes[self._topics.seams.state.name].messages
         end = self._step + (1 if self._is_abandoned else 0)
         new = [k for k in states if self._sampled < k < end and self.history.wants(k)]
         if not new:
             return
         for step in new[:: max(1, len(new) // _MOST_SAMPLES)]:
             picture = self._at(step, Phase.FLYING, "", None)
-            self.history.append(sample(picture, self.setup.target))
+            self.history.append(sample(picture, self.setup))
         self._sampled = new[-1]
         for inbox in self._inboxes.values():
             inbox.forget_before(self._step)
 
     def _at(self, step: int, phase: Phase, note: str, now: float | None) -> Picture:
         """Return the picture of a step; with ``now`` [s] also what is not of a step."""
+        signal = self._topics.seams.state
         try:
-            message = self._seams.state.decode(self._message(self._seams.state, step))
+            message = signal.decode(self._topics.message(signal, step))
         except Refused as refusal:
             return Picture(phase=phase, note=f"a state was refused: {refusal}", step=step)
-        state = self._seams.state.value(message)
+        state = signal.value(message)
         control, source = self._control(step)
         return Picture(
             phase=phase,
@@ -210,10 +195,9 @@ class LiveSource:
             step=step,
             time=message.stamp[0] + 1e-9 * message.stamp[1],
             attitude=state.attitude,
-            reference=_attitude(REFERENCE, self._message(REFERENCE, step)),
+            reference=_attitude(REFERENCE, self._topics.message(REFERENCE, step)),
             target=self._target(step),
-            momentum=state.momentum,
-            torque=control,
+            **self._topics.drawn.step(state, control),
             source=int(source),
             solve=None if now is None else self._solve(),
             decision=self._decision(step),
@@ -221,30 +205,17 @@ class LiveSource:
             rates={} if now is None else self._rates.at(now),
         )
 
-    def _message(self, signal: Signal, step: int) -> bytes:
-        """Return the message of a step, or else the last one."""
-        inbox = self._inboxes[signal.name]
-        return inbox.messages.get(step, inbox.last)
-
     def _control(self, step: int) -> tuple[Any, int]:
         """Return the control of a step and its source; None and -1 where none is known."""
-        signal = self._seams.control
-        data = self._message(signal, step)
+        signal = self._topics.seams.control
+        data = self._topics.message(signal, step)
         try:
             return signal.value(signal.decode(data)) if data else (None, -1)
         except Refused:
             return None, -1
 
-    def _last(self, name: str) -> Message | None:
-        """Return the last message of a signal; None: it is absent, or none."""
-        data = self._inboxes[name].last
-        try:
-            return self._signals[name].read(data) if data else None
-        except Refused:
-            return None
-
     def _solve(self) -> Solve | None:
-        m = self._last(_SOLVER_STATUS)
+        m = self._topics.last(_SOLVER_STATUS)
         if m is None:
             return None
         return Solve(
@@ -257,7 +228,7 @@ class LiveSource:
         )
 
     def _decision(self, step: int) -> Decision | None:
-        data = self._message(GOVERNOR_STATUS, step)
+        data = self._topics.message(GOVERNOR_STATUS, step)
         try:
             m = GOVERNOR_STATUS.read(data) if data else None
         except Refused:
@@ -272,7 +243,7 @@ class LiveSource:
         )
 
     def _timing(self) -> Timing | None:
-        m = self._last(WALL_TIMING.name)
+        m = self._topics.last(WALL_TIMING.name)
         if m is None:
             return None
         simulated, elapsed = m.stamp[0] + 1e-9 * m.stamp[1], m["wall_elapsed"]

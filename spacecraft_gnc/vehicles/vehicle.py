@@ -171,6 +171,7 @@ class Vehicle:
     """Page of one flight or several (`drawing.vehicle.VehicleReport`)."""
     scene: Lazy | None = None
     live: Lazy | None = None
+    """What the live page draws (`vehicles.live.VehicleLive`)."""
     resolve: Lazy | None = None
 
     def method(self, name: str) -> Method | None:

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Iterator
 from typing import Any, Final, NamedTuple, Protocol
 
-from spacecraft_gnc.analysis.live.history import COLUMNS, History
+from spacecraft_gnc.analysis.live.history import History, columns
 from spacecraft_gnc.analysis.live.picture import Picture, Setup
 from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.errors import ParameterError
@@ -116,7 +116,7 @@ class Feed:
                     events.append(Event("setup", setup.as_json()))
                 if flight.history.generation != generation:
                     generation, count = flight.history.generation, 0
-                    events.append(Event("history", {"columns": COLUMNS}))
+                    events.append(Event("history", {"columns": columns(setup)}))
                 samples = list(flight.history.since(count))
                 count += len(samples)
                 events.append(Event("frame", {**self._frame, "samples": samples}))

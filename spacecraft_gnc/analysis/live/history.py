@@ -9,7 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.live.picture import Picture, rounded
+from spacecraft_gnc.analysis.live.picture import Picture, Setup, rounded
 
 COLUMNS: Final = (
     "time",
@@ -27,16 +27,23 @@ COLUMNS: Final = (
     "q_z",
     "q_w",
 )
-"""Of a sample."""
+"""Of a sample; the values of `Setup.strip` come before the quaternion."""
 MOST: Final = 3000
 """Samples that are kept."""
 _UNKNOWN: Final = [None] * 3
 _generations = count()
 
 
-def sample(picture: Picture, target: Any) -> list[Any]:
-    """Return the row of a picture, in the order of `COLUMNS`; None: not known."""
-    attitude = picture.attitude
+def columns(setup: Setup) -> tuple[str, ...]:
+    """Return the names of the columns of a sample."""
+    strip = () if setup.strip is None else setup.strip.names
+    return (*COLUMNS[:-4], *(f"strip_{i}" for i in range(len(strip))), *COLUMNS[-4:])
+
+
+def sample(picture: Picture, setup: Setup) -> list[Any]:
+    """Return the row of a picture, in the order of `columns`; None: not known."""
+    attitude, target = picture.attitude, setup.target
+    strip = [] if setup.strip is None else [None] * len(setup.strip.names)
     quaternion = None if attitude is None else lie.to_quaternion_xyzw(attitude)
     return [
         rounded(picture.time),
@@ -45,6 +52,7 @@ def sample(picture: Picture, target: Any) -> list[Any]:
         *(_UNKNOWN if picture.momentum is None else rounded(picture.momentum)),
         *(_UNKNOWN if picture.torque is None else rounded(picture.torque)),
         picture.source,
+        *(strip if picture.strip is None else rounded(picture.strip)),
         *([None] * 4 if quaternion is None else rounded(quaternion)),
     ]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.drawing.zones import Zone, pointing_margin_deg, unit
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.status import Status
-from spacecraft_gnc.types import Matrix3, Vector3
+from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
 
@@ -37,6 +37,15 @@ class Phase(str, Enum):
 def status_name(status: int) -> str:
     """Return a solver status in words; it is a constant of SolverStatus."""
     return Status(status).text if 0 <= status < len(Status) else "no solve"
+
+
+class Strip(NamedTuple):
+    """Values over time in place of the angular momentum."""
+
+    title: str
+    unit: str
+    names: tuple[str, ...]
+    """Of the values, such as one for each wheel."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,6 +70,8 @@ class Setup:
         (3, 3) target attitude of the scenario, body to inertial; None: not known.
     zones
         Pointing zones.
+    strip
+        What is drawn over time in place of momentum and torque; None: these are.
     """
 
     title: str
@@ -73,6 +84,7 @@ class Setup:
     governor: str = ""
     target: Matrix3 | None = None
     zones: tuple[Zone, ...] = ()
+    strip: Strip | None = None
 
     @classmethod
     def of(cls, scenario: Scenario, title: str, *, live: bool) -> Setup:
@@ -83,6 +95,8 @@ class Setup:
         ParameterError
             If the vehicle cannot be watched.
         """
+        constants = part("live", scenario).constants(scenario)
+        strip = constants.pop("strip", None)
         return cls(
             title=title,
             live=live,
@@ -91,7 +105,8 @@ class Setup:
             mode=scenario.plant.mode,
             method=scenario.controller.method,
             governor=scenario.governor.governor,
-            **part("live", scenario)(scenario),
+            strip=None if strip is None else Strip(*strip),
+            **constants,
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -105,6 +120,7 @@ class Setup:
             "mode": self.mode,
             "method": self.method,
             "governor": self.governor,
+            "strip": None if self.strip is None else self.strip._asdict(),
             "zones": [
                 {
                     "name": zone.name,
@@ -171,6 +187,8 @@ class Picture:
         (3, 3) rotations, body to inertial.
     momentum, torque
         (3,) body frame [N m s], [N m].
+    strip
+        Values of `Setup.strip`.
     source
         Where the torque came from, a constant of TorqueCommand; -1: not known.
     rates
@@ -186,6 +204,7 @@ class Picture:
     target: Matrix3 | None = None
     momentum: Vector3 | None = None
     torque: Vector3 | None = None
+    strip: Array | None = None
     source: int = -1
     solve: Solve | None = None
     decision: Decision | None = None
@@ -218,6 +237,7 @@ class Picture:
             "target": rounded(target),
             "momentum": rounded(self.momentum),
             "torque": rounded(self.torque),
+            "strip": rounded(self.strip),
             "source": source_name(self.source, "unknown"),
             "error_deg": rounded(self.error_deg(self.reference)),
             "target_error_deg": rounded(self.error_deg(target)),

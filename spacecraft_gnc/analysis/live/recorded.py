@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from spacecraft_gnc.analysis.live.picture import (
     status_name,
 )
 from spacecraft_gnc.analysis.live.transport import Transport
+from spacecraft_gnc.analysis.vehicle import part
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -60,6 +61,7 @@ class RecordedFlight:
     ) -> None:
         self._flown = flight.trajectory
         scenario = flight.info.scenario
+        self._view = part("live", scenario)
         n_steps = len(self._flown.time)
         self.setup = (
             Setup(title=title, live=False, period=self._flown.period, n_steps=n_steps)
@@ -70,7 +72,7 @@ class RecordedFlight:
         self.transport = Transport(first, last, rate, clock)
         self.history = History()
         for step in chosen_steps(n_steps):
-            self.history.append(sample(self._picture(step, Phase.PAUSED), self.setup.target))
+            self.history.append(sample(self._picture(step, Phase.PAUSED), self.setup))
 
     def __enter__(self) -> Self:
         """Return the flight."""
@@ -97,6 +99,7 @@ class RecordedFlight:
     def _picture(self, step: int, phase: Phase) -> Picture:
         t = self._flown
         note = "the recording is over" if phase is Phase.OVER else ""
+        drawn: dict[str, Any] = {k: _known(v) for k, v in self._view.row(t, step).items()}
         return Picture(
             phase=phase,
             note=note,
@@ -105,20 +108,21 @@ class RecordedFlight:
             attitude=_known(t.attitude[step]),
             reference=_known(t.reference[step]),
             target=_known(t.target[step]),
-            momentum=_known(t.momentum[step]),
-            torque=_known(t.torque[step]),
+            **drawn,
             source=int(t.source[step]),
             solve=Solve(
                 status=status_name(int(t.status[step])),
                 iterations=int(t.iterations[step]),
                 residual=float(t.residual[step]),
-                cost=float(t.cost[step]),
+                cost=float(t.cost[step]) if hasattr(t, "cost") else math.nan,
                 solve_time=float(t.solve_time[step]),
             ),
             decision=self._decision(step),
         )
 
     def _decision(self, step: int) -> Decision | None:
+        if not hasattr(self._flown, "alpha"):
+            return None
         alpha = float(self._flown.alpha[step])
         margin = float(self._flown.governor_margin[step])
         return None if math.isnan(alpha) else Decision(alpha=alpha, margin=margin)

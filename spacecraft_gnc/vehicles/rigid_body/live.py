@@ -2,18 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.types import State, Vector3
+from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 
-def constants(scenario: Scenario) -> dict[str, Any]:
-    """Return ``torque_limit`` [N m] (0: none), ``target`` (3, 3) and ``zones`` of a scenario."""
-    governor, controller = scenario.governor, scenario.controller
-    governed = governor.governor != "none"
-    return {
-        "torque_limit": controller.max_torque or (governor.max_torque if governed else 0.0),
-        "target": lie.exp(governor.target_rotation_vector),
-        "zones": controller.zones,
-    }
+class RigidBodyLive:
+    """Implements `vehicles.live.VehicleLive`."""
+
+    def constants(self, scenario: Scenario) -> dict[str, Any]:
+        """Return ``torque_limit`` [N m] (0: none), ``target`` (3, 3) and ``zones``."""
+        governor, controller = scenario.governor, scenario.controller
+        governed = governor.governor != "none"
+        return {
+            "torque_limit": controller.max_torque or (governor.max_torque if governed else 0.0),
+            "target": lie.exp(governor.target_rotation_vector),
+            "zones": controller.zones,
+        }
+
+    def row(self, flight: RigidBodyFlight, step: int) -> dict[str, Vector3]:
+        """Return momentum and torque of a recorded step."""
+        return {"momentum": flight.momentum[step], "torque": flight.torque[step]}
+
+    def step(self, state: State, control: Vector3 | None) -> dict[str, Vector3 | None]:
+        """Return momentum and torque of a step that flies."""
+        return {"momentum": state.momentum, "torque": control}
+
+
+LIVE: Final = RigidBodyLive()

@@ -27,9 +27,11 @@ function schedule() {
   });
 }
 
+const palette = [colours.x, colours.y, colours.z, colours.warn];
+
 function column(name) {
   const i = state.columns.indexOf(name);
-  return state.rows.map((row) => row[i]);
+  return state.rows.map((row) => row[i] ?? null);
 }
 
 function draw() {
@@ -55,10 +57,13 @@ function drawCharts(times, now) {
   const errors = [{ values: column("error_deg"), colour: "#e6ebf1" }];
   if (governed) errors.push({ values: column("target_error_deg"), colour: colours.warn });
   drawStrip(by("error"), times, errors, span, now, { log: true });
-  const momenta = ["x", "y", "z"].map((axis) => ({ values: column(`momentum_${axis}`), colour: colours[axis] }));
-  const [factor, name] = prefix(Math.max(0, ...momenta.flatMap((m) => m.values).map((v) => Math.abs(v ?? 0))));
+  const strip = setup?.strip;
+  const names = strip ? strip.names.map((_, i) => `strip_${i}`) : ["x", "y", "z"].map((axis) => `momentum_${axis}`);
+  const momenta = names.map((name, i) => ({ values: column(name), colour: palette[i % palette.length] }));
+  const largestValue = Math.max(0, ...momenta.flatMap((m) => m.values).map((v) => Math.abs(v ?? 0)));
+  const [factor, name] = strip ? [1, ""] : prefix(largestValue);
   drawStrip(by("momentum"), times, momenta, span, now, { factor });
-  by("momentum-unit").textContent = `${name}N m s`;
+  by("momentum-unit").textContent = strip ? strip.unit : `${name}N m s`;
   drawSources(by("source"), times, column("source"), span, now);
 }
 
@@ -84,7 +89,11 @@ function onSetup(setup) {
   showSetup(setup);
   const governed = setup.governor && setup.governor !== "none";
   showKeys("error-keys", governed ? [["to reference", "#e6ebf1"], ["to target", colours.warn]] : [["to reference", "#e6ebf1"]]);
-  showKeys("axis-keys", ["x", "y", "z"].map((axis) => [axis, colours[axis]]));
+  const strip = setup.strip;
+  const keys = strip ? strip.names : ["x", "y", "z"];
+  showKeys("axis-keys", keys.map((key, i) => [key, palette[i % palette.length]]));
+  by("momentum-title").textContent = strip ? strip.title : "Angular momentum";
+  by("torque").closest("section").style.display = strip ? "none" : "";
   showKeys("source-keys", SOURCES);
   const [factor, name] = prefix(setup.torque_limit);
   by("torque-limit").textContent = setup.torque_limit ? `limit of |u| ${+(setup.torque_limit * factor).toPrecision(4)} ${name}N m` : "no limit known";
