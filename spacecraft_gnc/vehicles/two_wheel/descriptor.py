@@ -38,6 +38,7 @@ VEHICLE: Final = Vehicle(
     summary=_lazy("summary:lines"),
     figures=_lazy("pictures:FIGURES"),
     report=_lazy("report:REPORT"),
+    live=_lazy("live:LIVE"),
     resolve=_lazy("resolve:REPLAY"),
     signals=_lazy("signals:SIGNALS"),
     outputs=_lazy("outputs:Outputs"),

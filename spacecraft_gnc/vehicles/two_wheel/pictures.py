@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
-    from spacecraft_gnc.vehicles.two_wheel.resolve import Resolved
+    from spacecraft_gnc.vehicles.two_wheel.resolved import Resolved
 
 _OVERVIEW: Final = (6.3, 9.6)  # [inch]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.resolved import Resolved
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
 if TYPE_CHECKING:
@@ -26,32 +27,6 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
 _STILL: Final = np.zeros(3)
-
-
-class Resolved(NamedTuple):
-    """Recorded commands beside those of another controller; row i is step ``steps[i]``."""
-
-    steps: NDArray[np.int64]
-    """(k,) steps compared; those without a recorded state, reference or command are not."""
-    times: Array
-    """(k,) [s]."""
-    recorded: Array
-    """(k, m) accelerations as they flew [rad/s^2]."""
-    replayed: Array
-    """(k, m) accelerations of the other controller [rad/s^2]."""
-    wall_times: Array
-    """(k,) of its answers [s]."""
-
-    @property
-    def difference(self) -> Array:
-        """(k,) largest difference of a wheel's acceleration [rad/s^2]."""
-        return np.asarray(np.abs(self.replayed - self.recorded).max(axis=1))
-
-    @property
-    def first_difference(self) -> int | None:
-        """First step whose commands are not equal bit for bit; None where all are."""
-        differ = (self.replayed != self.recorded).any(axis=1)
-        return int(self.steps[np.argmax(differ)]) if differ.any() else None
 
 
 class WheelReplay:
