@@ -77,8 +77,10 @@ def require_vehicle(bag: Bag) -> None:
         With its name and package, as the recorder wrote them down.
     """
     run = bag.metadata().get(RUN_RECORD, {})
-    name, package = run.get("vehicle", ""), run.get("vehicle_package", "")
-    if name and not is_known(VEHICLES, name):
+    for key, name in run.items():  # of several agents: sc1.vehicle
+        if key.rpartition(".")[2] != "vehicle" or not name or is_known(VEHICLES, name):
+            continue
+        package = run.get(f"{key}_package", "")
         origin = f" of package {package}" if package else ""
         raise RecordingError(
             f"{bag.path}: received a flight of vehicle {name!r}{origin}, which is not installed; "

@@ -19,7 +19,6 @@ from spacecraft_gnc.cli._common import (
     StrictOption,
     print_error,
     print_json,
-    print_table,
     require_within_limits,
     tell_warnings,
 )
@@ -81,7 +80,7 @@ def launch(
     if strict:
         _require_recorded(plan)
     if not (quiet or as_json):
-        tell_warnings(plan.scenario)
+        tell_warnings(plan.fleet)
     launcher = Launcher(plan, choose(quiet=quiet, warnings_only=as_json), born)
     try:
         outcome = launcher.run()
@@ -128,20 +127,21 @@ def _report(
     if as_json:
         print_json(metrics)
         return
-    from spacecraft_gnc.cli.simulate import hash_row, summary_rows
+    from spacecraft_gnc.cli.simulate import print_summaries
 
     speed = outcome.simulated_time / outcome.wall_time if outcome.wall_time else 0.0
     print(
         f"{plan.scenario.path}: flown in {outcome.wall_time:.3g} s, {speed:.3g} times real time, "
         f"{outcome.steps / outcome.wall_time:.0f} steps/s"
     )
-    rows = summary_rows(metrics, plan.scenario) if outcome.bags else [hash_row(metrics)]
+    rows: list[tuple[str, str]] = []
     if plan.scenario.plant.mode == "free_run":
         rows += [("state to torque", _latency(metrics))] if outcome.bags else []
         rows.append(("deadlines missed", _missed(outcome)))
     rows += [("restarted", name) for name in outcome.restarts]
     rows += [("recorded in", bag) for bag in outcome.bags]
-    print_table([*rows, ("logs", str(plan.logs))])
+    rows.append(("logs", str(plan.logs)))
+    print_summaries(metrics, plan.fleet, rows, flown=bool(outcome.bags))
 
 
 def _shout_losses(bags: Sequence[str | Path]) -> bool:
@@ -161,30 +161,34 @@ def _never_published(plan: LaunchPlan, outcome: Outcome) -> list[str]:
     from spacecraft_gnc.ros.graph_of import foreign_topics
 
     counts = [read_counts(Path(bag)) or {} for bag in outcome.bags]
-    names = [f"/{name.strip('/')}" for name in foreign_topics(plan.scenario)]
+    names = [f"/{name.strip('/')}" for name in foreign_topics(plan.fleet)]
     return [name for name in names if not any(count.get(name) for count in counts)]
 
 
 def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
     """Return the summary of the run; from the bag, if there is one."""
+    from spacecraft_gnc.cli.simulate import summarize_agents
     from spacecraft_gnc.scenario.fingerprint import fingerprint
 
-    scenario = plan.scenario
-    summary: dict[str, Any] = {
-        "scenario": str(scenario.path), "scenario_hash": fingerprint(scenario)
-    }  # fmt: skip
+    agents = plan.fleet.agents
+    hashes = {agent: {"scenario_hash": fingerprint(one)} for agent, one in agents.items()}
+    summary: dict[str, Any] = {"scenario": plan.fleet.path, **hashes.get("", {"agents": hashes})}
     if outcome.bags:
         from numpy import quantile
 
-        from spacecraft_gnc.analysis.metrics import summarize
         from spacecraft_gnc.analysis.reader import read_flight
         from spacecraft_gnc.recording.timing import read_latencies
 
-        first, *others = (summarize(read_flight(bag).trajectory, scenario) for bag in outcome.bags)
+        first, *others = (
+            summarize_agents(
+                {a: read_flight(bag, namespace=a or None).trajectory for a in agents}, plan.fleet
+            )
+            for bag in outcome.bags
+        )
         summary |= first
         for part in others:  # the recorder was restarted
             summary["limits_exceeded"] += part["limits_exceeded"]
-        latencies = read_latencies(outcome.bags[0])
+        latencies = read_latencies(outcome.bags[0], namespace=next(iter(agents)) or None)
         for name, share in _SHARES.items():
             known = latencies.size > 0
             summary[f"latency_{name}"] = float(quantile(latencies, share)) if known else None
@@ -199,7 +203,7 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         "bags": list(outcome.bags),
         "messages_lost": sum(sum(read_losses(Path(bag)).values()) for bag in outcome.bags),
         "topics_never_published": _never_published(plan, outcome),
-        "warnings": list(plan.scenario.warnings),
+        "warnings": list(plan.fleet.warnings),
         "logs": plan.logs,
     }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -110,12 +110,26 @@ def _tell(metrics: dict[str, Any], fleet: Fleet, out: Path | None, *, as_json: b
         print(f"  written to {out}")
 
 
-def print_summaries(metrics: dict[str, Any], fleet: Fleet) -> None:
-    """Print the lines of a flight's summary, an agent after the other."""
+def print_summaries(
+    metrics: dict[str, Any],
+    fleet: Fleet,
+    further: Sequence[tuple[str, str]] = (),
+    *,
+    flown: bool = True,
+) -> None:
+    """Print the summary of a flight, an agent after the other; or, where none is known, what flew.
+
+    What is ``further`` told of the graph comes last.
+    """
     for agent, one in fleet.agents.items():
+        told = metrics["agents"][agent] if agent else metrics
+        rows = summary_rows(told, one) if flown else [hash_row(told)]
         if agent:
             print(f"/{agent}")
-        print_table(summary_rows(metrics["agents"][agent] if agent else metrics, one))
+        print_table(rows if agent else [*rows, *further])
+    if further and "" not in fleet.agents:
+        print("graph")
+        print_table(further)
 
 
 def require_memory(n_steps: int, bytes_per_step: int) -> None:

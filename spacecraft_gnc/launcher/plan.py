@@ -19,8 +19,14 @@ from spacecraft_gnc.parameters.sections import NODE_NAMES
 from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.parameters.yaml_scalar import emit
 from spacecraft_gnc.recording import BAG_FOLDER, RUN_SCENARIO
-from spacecraft_gnc.scenario import Scenario, load
-from spacecraft_gnc.scenario.node_sections import add_file, add_option, given_to, node_names
+from spacecraft_gnc.scenario import Fleet, Scenario, load_fleet
+from spacecraft_gnc.scenario.node_sections import (
+    add_file,
+    add_option,
+    agent_nodes,
+    given_to,
+    node_names,
+)
 from spacecraft_gnc.scenario.overrides import replaces_duration
 from spacecraft_gnc.scenario.schema import ROLES
 from spacecraft_gnc.scenario.shipped import find
@@ -44,27 +50,32 @@ class LaunchPlan:
 
     Attributes
     ----------
-    scenario
-        The scenario to fly, overrides included.
+    fleet
+        The agents to fly, overrides included.
     parameter_file
         The file that every node reads: the user's own, or one in ``out`` with the values to fly
         if ROS 2 would give the nodes other values.
     out
         Folder of this run: bag, logs.
     nodes
-        Names of the nodes to start.
+        The nodes to start, named relative to the graph.
     composed
         Whether they share one process.
     restart
         Whether a dead controller, governor or recorder is restarted.
     """
 
-    scenario: Scenario
+    fleet: Fleet
     parameter_file: Path
     out: Path
     nodes: tuple[str, ...]
     composed: bool
     restart: bool
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario of the only agent; of several, that of the first."""
+        return self.fleet.leading
 
     @property
     def records(self) -> bool:
@@ -98,7 +109,8 @@ def make_plan(
 ) -> LaunchPlan:
     """Check a scenario, create the folder of its run and return the plan.
 
-    The nodes run in the root namespace, even if the sections belong to another one.
+    The nodes of a single vehicle run in the root namespace, even if the sections belong to another
+    one; controllers and governors of several agents run in their own.
 
     Raises
     ------
@@ -111,36 +123,37 @@ def make_plan(
     """
     path = find(path)
     _require_utf8(path, out)
-    scenario = load(path, overrides, namespace)
-    nodes = tuple(n for n in scenario.launcher.nodes if record or n != RECORDER)
+    fleet = load_fleet(path, overrides, namespace)
+    nodes = tuple(n for n in fleet.nodes if record or n != RECORDER)
     if PLANT not in nodes:
         raise LaunchRefused(
             f"{path}: launcher.nodes: received {list(nodes)}; required the plant among them, which "
             f"owns simulated time; use {list(NODE_NAMES)}"
         )
-    scenario.check_cores()
+    fleet.check_cores()
     require_middleware(os.environ)
     folder = _make_folder(path, out)
     peers = [node for node in nodes if node != PLANT]
     changes: dict[str, Any] = {}
-    if set(peers) != set(scenario.plant.peers):
+    if set(peers) != set(fleet.peers):
         changes["plant.peers"] = peers
     if replaces_duration(overrides):
         changes["launcher.cut_short"] = "true"
     parameter_file = path.resolve()
-    if overrides or changes or not _is_read_as(scenario, path):
+    if overrides or changes or not _is_read_as(fleet, path):
         words = [*overrides, *(f"{key}={value}" for key, value in changes.items())]
-        merged = load(path, words, namespace)
+        merged = load_fleet(path, words, namespace)
         parameter_file = folder / RUN_SCENARIO
         parameter_file.write_text(merged.to_yaml(defaults=True), encoding="utf-8")
-        scenario = merged
+        fleet = merged
+    launcher = fleet.launcher
     return LaunchPlan(
-        scenario=scenario,
+        fleet=fleet,
         parameter_file=parameter_file,
         out=folder,
         nodes=nodes,
-        composed=scenario.launcher.composed,
-        restart=scenario.launcher.on_node_death == "restart" and not scenario.launcher.composed,
+        composed=launcher.composed,
+        restart=launcher.on_node_death == "restart" and not launcher.composed,
     )
 
 
@@ -149,7 +162,7 @@ def node_options(autostart: bool, bag: Path) -> list[str]:
     return [f"autostart:={emit(autostart)}", f"{RECORDER}:storage_folder:={emit(str(bag))}"]
 
 
-def _is_read_as(scenario: Scenario, path: Path) -> bool:
+def _is_read_as(fleet: Fleet, path: Path) -> bool:
     """Tell whether the nodes, given a file and the launcher's options, fly a scenario.
 
     They do not if its sections belong to another namespace, or if one of them follows the sections
@@ -160,12 +173,16 @@ def _is_read_as(scenario: Scenario, path: Path) -> bool:
     add_file(sections, path)
     for option in node_options(False, bag):
         add_option(sections, option)
-    given = plain_values(given_to(sections, node_names()))
-    wanted = {name: flatten(scenario.sections.get(name, {})) for name in ROLES}
-    for name in NODE_NAMES:
-        wanted[name]["autostart"] = False
-    wanted[RECORDER]["storage_folder"] = str(bag)
-    return {name: given.get(name, {}) for name in ROLES} == wanted
+    for agent, scenario in fleet.agents.items():
+        nodes = agent_nodes(agent) if agent else node_names()
+        given = plain_values(given_to(sections, nodes))
+        wanted = {name: flatten(scenario.sections.get(name, {})) for name in ROLES}
+        for name in NODE_NAMES:
+            wanted[name]["autostart"] = False
+        wanted[RECORDER]["storage_folder"] = str(bag)
+        if {name: given.get(name, {}) for name in ROLES} != wanted:
+            return False
+    return True
 
 
 def _require_utf8(*paths: Path | None) -> None:

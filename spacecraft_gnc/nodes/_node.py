@@ -13,8 +13,8 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._ends import NodeWithEnds
 from spacecraft_gnc.ros.graph_of import members_of
-from spacecraft_gnc.ros.parameters import load_scenario
-from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.ros.parameters import agent_of_node, load_graph
+from spacecraft_gnc.scenario import Fleet, Scenario
 from spacecraft_gnc.signals.graph import DIAGNOSTICS, READY, RECORDER
 from spacecraft_gnc.signals.message import Stamp
 
@@ -33,7 +33,10 @@ class GncNode(NodeWithEnds):
     ROLE: ClassVar[str]
     """Section of the scenario, and the node's default name."""
 
+    fleet: Fleet
+    """What flies in the graph."""
     scenario: Scenario
+    """That of this node's agent; of the first one where the node serves all."""
 
     def __init__(self, namespace: str | None = None) -> None:
         super().__init__(self.ROLE, namespace)
@@ -81,8 +84,8 @@ class GncNode(NodeWithEnds):
         a repeat that is handled some time after everybody was matched. Repeats are not counted,
         for a node that was held up handles several at once.
         """
-        plant = self.scenario.plant
-        if step == 0 or plant.mode != "lockstep" or RECORDER not in plant.peers:
+        is_lockstep = self.scenario.plant.mode == "lockstep"
+        if step == 0 or not is_lockstep or RECORDER not in self.members.names:
             return False
         now, matched_at = self.steady.now().nanoseconds / 1e9, self._matched_at
         is_settled = matched_at is not None and now - matched_at >= _SETTLING
@@ -125,9 +128,10 @@ class GncNode(NodeWithEnds):
             raise
 
     def _build_and_open(self) -> None:
-        self.scenario = load_scenario(self, self.ROLE)
+        self.fleet = load_graph(self, self.ROLE)
+        self.scenario = self.fleet.agents[agent_of_node(self, self.fleet)]
         self.refused = 0
-        self.members = members_of(self.scenario)
+        self.members = members_of(self.fleet)
         self.place = self.members.place(self.get_namespace(), self.ROLE)
         self.expect_peers()
         self.build(self.scenario)

@@ -7,14 +7,18 @@ from functools import partial
 
 from rclpy.utilities import remove_ros_args
 
-from spacecraft_gnc.nodes._runner import run
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.nodes._runner import report, run
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.recorder import RecorderNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
-from spacecraft_gnc.signals.members import agent_of, role_of
+from spacecraft_gnc.ros.parameters import command_line
+from spacecraft_gnc.scenario.node_sections import agents_in
+from spacecraft_gnc.signals.members import Place, agent_of, role_of
 
 _START_ORDER = (RecorderNode, GovernorNode, ControllerNode, PlantNode)
+_OF_EACH_AGENT = (GovernorNode, ControllerNode)
 
 
 def main() -> int:
@@ -22,15 +26,28 @@ def main() -> int:
 
     A name may be relative to the graph, such as ``sc1/nmpc_controller``.
     """
-    names = remove_ros_args(sys.argv)[1:]
+    named = remove_ros_args(sys.argv)[1:]
+    try:
+        names = named or _all_nodes()
+    except GncError as error:
+        report(error)
+        return error.exit_code
     nodes = [
         partial(kind, f"/{agent_of(name)}" if agent_of(name) else None)
         for kind in _START_ORDER
-        for name in names or [kind.ROLE]
+        for name in names
         if role_of(name) == kind.ROLE
     ]
-    arguments = [argument for argument in sys.argv if argument not in names]
+    arguments = [argument for argument in sys.argv if argument not in named]
     return run(*nodes, arguments=arguments)
+
+
+def _all_nodes() -> list[str]:
+    """Return the nodes that the parameter files are for."""
+    agents = agents_in(command_line(sys.argv)) or ("",)
+    places = [Place("", agent) for agent in agents]
+    of_each = [place.within_graph(kind.ROLE) for place in places for kind in _OF_EACH_AGENT]
+    return [RecorderNode.ROLE, *of_each, PlantNode.ROLE]
 
 
 if __name__ == "__main__":

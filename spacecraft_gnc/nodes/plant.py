@@ -15,7 +15,7 @@ from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._pace import Applied, FreeRun, Lockstep
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.ros.graph_of import agents_of, vehicle_signals
+from spacecraft_gnc.ros.graph_of import vehicle_signals
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.signals import Refused, Signal
 from spacecraft_gnc.signals.graph import (
@@ -84,9 +84,9 @@ class PlantNode(GncNode):
         about = {"plant": self.get_fully_qualified_name()}
         lock = domain.claim(domain.CLOCK, self.context.get_domain_id(), about)
         self.on_close(lock.release)
-        for text in scenario.warnings:
+        for text in self.fleet.warnings:
             self.get_logger().warning(text)
-        self._agents = {name: _Agent(name, one) for name, one in agents_of(scenario).items()}
+        self._agents = {name: _Agent(name, one) for name, one in self.fleet.agents.items()}
         first = next(iter(self._agents.values())).core
         self.n_steps, self._period = first.n_steps, first.period
         self._period_ns = period_ns(self._period)

@@ -19,7 +19,7 @@ from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.recording.stamps import step_of, time_in
 from spacecraft_gnc.recording.writer import FLUSH_PERIOD, BagWriter
 from spacecraft_gnc.ros.bag_topics import announce, middleware, scenario_text
-from spacecraft_gnc.ros.graph_of import agents_of, foreign_topics, signals_of, vehicle_signals
+from spacecraft_gnc.ros.graph_of import foreign_topics, signals_of, vehicle_signals
 from spacecraft_gnc.ros.qos import plain_qos
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.scenario.provenance import (
@@ -68,12 +68,12 @@ class RecorderNode(GncNode):
             chunk_size=parameters.chunk_size,
         )
         self.on_close(self._finish_bag)
-        self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(scenario))
-        taken = scenario.stated_defaults().encode()
+        self._bag.attach(SCENARIO_ATTACHMENT, "application/yaml", scenario_text(self.fleet))
+        taken = self.fleet.stated_defaults().encode()
         self._bag.attach(DEFAULTS_ATTACHMENT, "application/yaml", taken)
         if lock := lock_file():
             self._bag.attach(LOCK_ATTACHMENT, "text/plain", lock)
-        self._bag.metadata(RUN_RECORD, run_record(scenario, middleware()))
+        self._bag.metadata(RUN_RECORD, run_record(self.fleet, middleware()))
         others = [name for name in self.members.names if name != RECORDER]
         self._dump = ParameterDump(self, others, self._on_parameters)
         self._has_parameters = False
@@ -81,12 +81,12 @@ class RecorderNode(GncNode):
     def open(self) -> None:
         """Subscribe to everything that is to be recorded."""
         wanted = self.scenario.recorder.topics
-        agent, one = next(iter(agents_of(self.scenario).items()))
+        agent, one = next(iter(self.fleet.agents.items()))
         self._leading = agent, Seams.among(vehicle_signals(one.vehicle)).state
-        for agent, signal in signals_of(self.scenario):
+        for agent, signal in signals_of(self.fleet):
             if is_recorded_of(signal, agent, wanted):
                 self._record(agent, signal)
-        self._foreign = ForeignTopics(self, foreign_topics(self.scenario), self._on_foreign)
+        self._foreign = ForeignTopics(self, foreign_topics(self.fleet), self._on_foreign)
         self._publish_recorded = self.advertise(RECORDED).publish
         self.every(FLUSH_PERIOD, self._flush)
 

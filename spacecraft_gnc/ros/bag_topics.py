@@ -13,7 +13,7 @@ from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.schema_text import InstalledInterfaces, schema_text
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.ros.parameters import parameter_files
-from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario import Fleet
 from spacecraft_gnc.scenario.provenance import version_of
 from spacecraft_gnc.signals.qos import QosProfile
 
@@ -54,10 +54,10 @@ def announce(
     )
 
 
-def scenario_text(scenario: Scenario) -> bytes:
+def scenario_text(fleet: Fleet) -> bytes:
     """Return the parameter file that flies, comments and all; without one, its contents."""
     files = list(parameter_files(sys.argv))
-    return files[0].read_bytes() if len(files) == 1 else scenario.to_yaml().encode()
+    return files[0].read_bytes() if len(files) == 1 else fleet.to_yaml().encode()
 
 
 def middleware() -> dict[str, str]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
-from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario import Fleet, Scenario
 from spacecraft_gnc.signals import Signal, graph
 from spacecraft_gnc.signals.graph import PLANT
 from spacecraft_gnc.signals.members import Members, foreign
@@ -15,14 +14,9 @@ from spacecraft_gnc.vehicles.registry import vehicle_of
 from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 
-def agents_of(scenario: Scenario) -> Mapping[str, Scenario]:
-    """Return the scenario of each agent by its namespace in the graph; empty: the graph's own."""
-    return {"": scenario}
-
-
-def members_of(scenario: Scenario) -> Members:
+def members_of(fleet: Fleet) -> Members:
     """Return the nodes of the graph."""
-    return Members((PLANT, *scenario.plant.peers), scenario.recorder.topics)
+    return Members((PLANT, *fleet.peers), fleet.recorder.topics)
 
 
 def vehicle_signals(vehicle: Vehicle | None = None) -> tuple[Signal, ...]:
@@ -32,16 +26,16 @@ def vehicle_signals(vehicle: Vehicle | None = None) -> tuple[Signal, ...]:
     return signals
 
 
-def signals_of(scenario: Scenario) -> list[tuple[str, Signal]]:
+def signals_of(fleet: Fleet) -> list[tuple[str, Signal]]:
     """Return (agent, signal) of every vehicle, and the signals of the graph."""
-    agents = agents_of(scenario).items()
+    agents = fleet.agents.items()
     own = [(agent, signal) for agent, one in agents for signal in vehicle_signals(one.vehicle)]
     return [*own, *(("", signal) for signal in graph.SIGNALS)]
 
 
-def foreign_topics(scenario: Scenario) -> tuple[str, ...]:
+def foreign_topics(fleet: Fleet) -> tuple[str, ...]:
     """Return what the recorder is asked for and the graph does not have."""
-    return foreign(signals_of(scenario), scenario.recorder.topics)
+    return foreign(signals_of(fleet), fleet.recorder.topics)
 
 
 def outputs_of(scenario: Scenario) -> Any:

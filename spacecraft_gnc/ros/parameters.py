@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -15,15 +16,19 @@ from rclpy.parameter import Parameter
 from spacecraft_gnc.parameters.checked import plain_values
 from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, Value
 from spacecraft_gnc.parameters.yaml_file import Sections
-from spacecraft_gnc.scenario import InvalidScenario, Problem, Scenario, from_sections
+from spacecraft_gnc.scenario import Fleet, InvalidScenario, Problem, Scenario, from_sections
+from spacecraft_gnc.scenario.fleet import gather, incomplete
 from spacecraft_gnc.scenario.node_sections import (
     OPTION,
     add_file,
     add_option,
+    agent_nodes,
+    agents_in,
     given_to,
     matches,
     node_names,
 )
+from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR, PLANT
 
 _FILE = "--params-file"
 _OPTIONS = ("-p", "--param")
@@ -56,11 +61,12 @@ def command_line(arguments: Sequence[str]) -> Sections:
     return sections
 
 
-def load_scenario(node: Node, section: str) -> Scenario:
-    """Return the checked scenario that a node was started with, and declare its parameters.
+def load_graph(node: Node, section: str) -> Fleet:
+    """Return the agents of the graph that a node was started for, and declare its parameters.
 
-    The command line tells what ROS 2 gives this node and the others of its namespace, so that one
-    file describes the whole graph.
+    The command line tells what ROS 2 gives this node and the others of the graph, so that one file
+    describes all of it. A controller or governor stands beside those of other agents where its
+    namespace is that of an agent, plant and recorder where they stand in the root.
 
     Raises
     ------
@@ -68,24 +74,56 @@ def load_scenario(node: Node, section: str) -> Scenario:
         With every problem at once.
     """
     sections = command_line(sys.argv)
+    files = list(parameter_files(sys.argv))
+    source = str(files[0]) if files else node.get_name()
+    nodes = _nodes_of_agents(sections, node.get_namespace(), section)
+    if problems := list(incomplete(sections, source)) if "" not in nodes else []:
+        raise InvalidScenario(problems)
+    fleet = gather(
+        {
+            agent: partial(_read, node, section, sections, known, source)
+            for agent, known in nodes.items()
+        }
+    )
+    _declare(node, section, fleet)
+    return fleet
+
+
+def agent_of_node(node: Node, fleet: Fleet) -> str:
+    """Return the agent that a node belongs to; the first one where it serves all."""
+    namespace = node.get_namespace().strip("/")
+    return namespace if namespace in fleet.agents else next(iter(fleet.agents))
+
+
+def _nodes_of_agents(sections: Sections, namespace: str, section: str) -> dict[str, dict[str, str]]:
+    """Return by agent the full names of its nodes, each with its role."""
+    agents, own = agents_in(sections), namespace.strip("/")
+    if own in (agents if section in (CONTROLLER, GOVERNOR) else ("",)) and agents:
+        return {agent: agent_nodes(agent) for agent in agents}
+    return {"": node_names(namespace)}
+
+
+def _read(
+    node: Node, section: str, sections: Sections, known: Mapping[str, str], source: str
+) -> Scenario:
+    """Return the scenario of the agent whose nodes have these names; one may be ``node`` itself."""
     own_name = node.get_fully_qualified_name()
-    names = node_names(node.get_namespace())
-    nodes = {name: role for name, role in names.items() if role != section} | {own_name: section}
+    default_name = f"{node.get_namespace().rstrip('/')}/{section}"
+    is_own = default_name in known
+    nodes = {own_name if name == default_name else name: role for name, role in known.items()}
     problems: list[Problem] = []
     given = given_to(sections, nodes, problems)
     if problems:
         raise InvalidScenario(problems)
     values = plain_values(given)
-    own = values.setdefault(section, {})
-    shared = _names_in_files(sections, own_name)
-    for name, value in given_parameters(node).items():
-        # ROS 2 has no empty list: it gives None; and it gives all of a wildcard to every node
-        if value is not None and (name in own or name not in shared):
-            own[name] = value
-    files = list(parameter_files(sys.argv))
-    scenario = from_sections(values, str(files[0]) if files else node.get_name())
-    _declare(node, section, scenario)
-    return scenario
+    if is_own and list(known.values()).count(section) == 1:  # else an agent's own plant goes first
+        own = values.setdefault(section, {})
+        shared = _names_in_files(sections, own_name)
+        for name, value in given_parameters(node).items():
+            # ROS 2 has no empty list: it gives None; and it gives all of a wildcard to every node
+            if value is not None and (name in own or name not in shared):
+                own[name] = value
+    return from_sections(values, source)
 
 
 def _names_in_files(sections: Sections, node: str) -> set[str]:
@@ -110,12 +148,21 @@ def given_parameters(node: Node) -> dict[str, Any]:
     }
 
 
-def _declare(node: Node, section: str, scenario: Scenario) -> None:
-    """Declare every parameter with type, range, unit and description, holding its checked value."""
-    for name, spec in scenario.declarations(section):
-        value = scenario.values[section][name]
-        if not node.has_parameter(name):  # else declared by an earlier configure
-            node.declare_parameter(name, _ros_value(spec, value), _descriptor(spec), True)
+def _declare(node: Node, section: str, fleet: Fleet) -> None:
+    """Declare every parameter with type, range, unit and description, holding its checked value.
+
+    A plant of several agents has a value in which they differ once for each: ``sc1.inertia``.
+    """
+    own = agent_of_node(node, fleet)
+    agents = fleet.agents if section == PLANT else {own: fleet.agents[own]}
+    values = [one.values[section] for one in agents.values()]
+    for agent, one in agents.items():
+        for name, spec in one.declarations(section):
+            value = one.values[section][name]
+            is_common = all(other.get(name) == value for other in values)
+            told = name if is_common else f"{agent.replace('/', '.')}.{name}"
+            if not node.has_parameter(told):  # else declared by an earlier configure
+                node.declare_parameter(told, _ros_value(spec, value), _descriptor(spec), True)
 
 
 def _ros_value(spec: ParameterSpec, value: Value) -> Any:

@@ -8,7 +8,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import rclpy
 from lifecycle_msgs.msg import Transition
@@ -59,6 +60,18 @@ class Progress:
     """[s]"""
 
 
+class _Status(NamedTuple):
+    """What a controller last told."""
+
+    error: float
+    step: int
+    solve_time: float
+
+
+def _distance(status: _Status) -> float:
+    return -1.0 if math.isnan(status.error) else status.error
+
+
 class Supervisor:
     """Brings nodes to life and knows how they fare. Use it as a context manager.
 
@@ -79,9 +92,10 @@ class Supervisor:
         self._executor.add_node(self._node)
         self._nodes = {name: _Managed(self._node, name) for name in names}
         self.progress = Progress()
+        self._status: dict[str, _Status] = {}
         self._listen(WALL_TIMING, "", self._on_timing)
         for agent in dict.fromkeys(agent_of(n) for n in names if role_of(n) == CONTROLLER):
-            self._listen(WALL_STATUS, agent, self._on_status)
+            self._listen(WALL_STATUS, agent, partial(self._on_status, agent))
 
     def _listen(self, signal: Signal, agent: str, callback: Callable[[Any], None]) -> None:
         kind, qos = message_type(signal.type), ros_qos(signal.qos)
@@ -126,11 +140,16 @@ class Supervisor:
         progress.latency = message.wall_latency
         progress.missed_deadlines = message.missed_deadlines
 
-    def _on_status(self, message: Any) -> None:
+    def _on_status(self, agent: str, message: Any) -> None:
+        """Show the controller that is furthest from its reference."""
         values = {entry.key: entry.value for entry in message.status[0].values}
-        self.progress.status_step = int(values.get("step", -1))
-        self.progress.attitude_error = float(values.get("attitude_error", math.nan))
-        self.progress.solve_time = float(values.get("wall_solve_time", math.nan))
+        self._status[agent] = _Status(
+            float(values.get("attitude_error", math.nan)),
+            int(values.get("step", -1)),
+            float(values.get("wall_solve_time", math.nan)),
+        )
+        shown = max(self._status.values(), key=_distance)
+        self.progress.attitude_error, self.progress.status_step, self.progress.solve_time = shown
 
 
 class _Managed:

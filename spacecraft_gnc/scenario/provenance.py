@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from spacecraft_gnc import __version__
-from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario import Fleet, Scenario
 from spacecraft_gnc.scenario.shipped import shipped_file
 from spacecraft_gnc.vehicles import registry
 
@@ -26,12 +26,12 @@ _ROOT = Path(__file__).parents[2]  # of a checkout, or of an editable installati
 _PATIENCE = 5.0  # [s] wall for git, which may meet a slow disk
 
 
-def run_record(scenario: Scenario, middleware: Mapping[str, str]) -> dict[str, str]:
+def run_record(fleet: Fleet, middleware: Mapping[str, str]) -> dict[str, str]:
     """Return the record of a run that begins now.
 
     Parameters
     ----------
-    scenario
+    fleet
         What flies.
     middleware
         Versions that only a node knows: ``rclpy``, ``rmw``.
@@ -39,9 +39,15 @@ def run_record(scenario: Scenario, middleware: Mapping[str, str]) -> dict[str, s
     Returns
     -------
     dict
-        Texts by name; what is not known, or not read by the method, is empty.
+        Texts by name; what is not known, or not read by the method, is empty. Of several agents
+        each has its own: ``sc1.method``.
     """
-    lock, traits, vehicle = lock_file(), scenario.method, scenario.vehicle
+    lock = lock_file()
+    of_agents = {
+        f"{agent}.{name}" if agent else name: text
+        for agent, one in fleet.agents.items()
+        for name, text in _of_agent(one).items()
+    }
     return {
         "package_version": __version__,
         "git_commit": _commit(),
@@ -54,12 +60,20 @@ def run_record(scenario: Scenario, middleware: Mapping[str, str]) -> dict[str, s
         "numba": version_of("numba"),
         **middleware,
         "started": datetime.now(timezone.utc).isoformat(timespec="milliseconds"),
+        "mode": fleet.plant.mode,
+        **of_agents,
+    }
+
+
+def _of_agent(scenario: Scenario) -> dict[str, str]:
+    """Return what the record says of one agent."""
+    traits, vehicle = scenario.method, scenario.vehicle
+    return {
         "vehicle": scenario.plant.vehicle,
         "method": scenario.controller.method,
         "variant": scenario.controller.variant if traits.variants else "",
         "formulation": scenario.controller.formulation if "formulation" in traits.reads else "",
         "governor": scenario.governor.governor,
-        "mode": scenario.plant.mode,
         "vehicle_package": registry.provider("vehicles", scenario.vehicle.name),
         "method_package": registry.provider("controllers", scenario.controller.method, vehicle),
         "governor_package": registry.provider("governors", scenario.governor.governor, vehicle),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from spacecraft_gnc.analysis.reader import read_flight
-from spacecraft_gnc.scenario import load
+from spacecraft_gnc.scenario import load_fleet
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 EXACT = (
@@ -30,11 +30,12 @@ EXACT = (
 
 def assert_equals_simulation(bag: Path, *overrides: str, scenario: Path = CASE1) -> None:
     """Every number of a bag is that of `gnc simulate`, to the last bit."""
-    simulated = load(scenario, overrides).build().run()
-    flown = read_flight(bag)
-    assert not flown.info.missing
-    assert not flown.info.overridden
-    for name in EXACT:
-        ours, theirs = getattr(flown.trajectory, name), getattr(simulated, name)
-        # a step without a solve has no residual: NaN on both sides
-        assert np.array_equal(ours, theirs, equal_nan=True), name
+    for agent, loop in load_fleet(scenario, overrides).build().items():
+        simulated = loop.run()
+        flown = read_flight(bag, namespace=agent or None)
+        assert not flown.info.missing
+        assert not flown.info.overridden
+        for name in EXACT:
+            ours, theirs = getattr(flown.trajectory, name), getattr(simulated, name)
+            # a step without a solve has no residual: NaN on both sides
+            assert np.array_equal(ours, theirs, equal_nan=True), (agent, name)

@@ -44,7 +44,7 @@ print(json.dumps(told, default=list))
 CHECK_NODES = """
 import json, sys
 import rclpy
-from spacecraft_gnc.ros.parameters import load_scenario
+from spacecraft_gnc.ros.parameters import load_graph
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.recorder import RecorderNode
@@ -54,7 +54,7 @@ for sys.argv in json.loads(sys.argv[1]):
     rclpy.init(args=sys.argv)
     try:
         nodes = [PlantNode(), ControllerNode(), GovernorNode(), RecorderNode()]
-        told.append([dict(load_scenario(node, node.ROLE).values[node.ROLE]) for node in nodes])
+        told.append([dict(load_graph(node, node.ROLE).leading.values[node.ROLE]) for node in nodes])
     finally:
         rclpy.try_shutdown()
 print(json.dumps(told))
