@@ -8,9 +8,12 @@ from pathlib import Path
 from typing import Final
 
 from spacecraft_gnc.errors import GncError, ParameterError
+from spacecraft_gnc.parameters.checked import plain_values
 from spacecraft_gnc.parameters.parameter import Value
+from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.scenario.defaults import follows_from_formula, former_defaults
 from spacecraft_gnc.scenario.load import from_sections, read_sections
+from spacecraft_gnc.scenario.node_sections import ROOT, add_file, given_to, node_names
 from spacecraft_gnc.scenario.scenario import Scenario
 
 SCENARIO_ATTACHMENT: Final = "scenario.yaml"
@@ -39,7 +42,7 @@ def parse_scenario(
     try:
         # as the nodes read it: a flight may have been cut short on purpose
         sections = read_sections(SCENARIO_ATTACHMENT, namespace, text)
-        stated = _defaults(defaults, sections) if defaults else former_defaults(sections)
+        stated = _defaults(defaults, sections, namespace) if defaults else former_defaults(sections)
         scenario = from_sections(sections, SCENARIO_ATTACHMENT, stated)
     except GncError as error:
         return None, str(error).splitlines()[0]
@@ -47,11 +50,14 @@ def parse_scenario(
 
 
 def _defaults(
-    text: str, sections: Mapping[str, Mapping[str, Value]]
+    text: str, sections: Mapping[str, Mapping[str, Value]], namespace: str | None
 ) -> dict[str, dict[str, Value]]:
     if not any(line and not line.startswith("#") for line in text.splitlines()):
         return {}  # the scenario states everything
-    stated = read_sections(DEFAULTS_ATTACHMENT, text=text)
+    recorded: Sections = {}
+    add_file(recorded, Path(DEFAULTS_ATTACHMENT), text)
+    # a single vehicle's are written down without its namespace
+    stated = plain_values(given_to(recorded, {**node_names(), **node_names(namespace or ROOT)}))
     for section, values in stated.items():
         for name in values:
             if not follows_from_formula(sections, section, name):
