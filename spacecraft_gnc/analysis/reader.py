@@ -8,6 +8,8 @@ from typing import Final, NamedTuple
 from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.analysis.vehicle import part, require_vehicle
 from spacecraft_gnc.audit.evidence import Progress
+from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.loop.flight import agents_in
 from spacecraft_gnc.loop.trajectory import Trajectory
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import flight_namespace
@@ -57,18 +59,40 @@ def load_run(
     """
     path = Path(path)
     if is_npz(path):
-        return _read_npz(path)
+        return _read_npz(path, namespace)
     return read_flight(
         path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
     )
 
 
-def _read_npz(path: Path) -> Flight:
+def _read_npz(path: Path, namespace: str | None) -> Flight:
+    agent = _agent_in_npz(path, namespace)
     text, defaults = Trajectory.load_scenario(path), Trajectory.load_defaults(path)
-    scenario, problem = parse_scenario(text, path, defaults=defaults)
-    trajectory = registry.flight_of(None if scenario is None else scenario.vehicle).load(path)
-    info = RunInfo(path=path, scenario=scenario, scenario_text=text, scenario_problem=problem)
-    return Flight(trajectory, info)
+    scenario, problem = parse_scenario(text, path, agent or None, defaults)
+    kind = registry.flight_of(None if scenario is None else scenario.vehicle)
+    info = RunInfo(
+        path=path,
+        scenario=scenario,
+        scenario_text=text,
+        scenario_problem=problem,
+        namespace=agent or None,
+    )
+    return Flight(kind.load(path, agent), info)
+
+
+def _agent_in_npz(path: Path, namespace: str | None) -> str:
+    """Return the agent to read; a file of one flight has none, whatever is asked for."""
+    known = agents_in(path)
+    if known == ("",):
+        return ""
+    wanted = known if namespace is None else [a for a in known if a == namespace.strip("/")]
+    if len(wanted) == 1:
+        return wanted[0]
+    listed = ", ".join(f"/{agent}" for agent in known)
+    asked = "" if namespace is None else f", none of them {namespace}"
+    raise RecordingError(
+        f"{path}: several spacecraft ({listed}){asked}; required one; name it with --namespace"
+    )
 
 
 def read_flight(

@@ -6,6 +6,7 @@ import signal
 import sys
 import time
 import webbrowser
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -136,7 +137,7 @@ def _live(domain_id: int | None, namespace: str) -> LiveFlight:
     from spacecraft_gnc.ros.live_flight import LiveFlight
 
     choose_domain(domain_id)  # refuses where several graphs run
-    return LiveFlight(lambda: find_domain(domain_id), namespace)
+    return LiveFlight(lambda: find_domain(domain_id), namespace, _tell_choice)
 
 
 def _recorded(
@@ -147,10 +148,15 @@ def _recorded(
     quiet: bool,
     stop: _StopRequest,
 ) -> RecordedFlight:
+    from spacecraft_gnc.analysis.agents import agents
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
     from spacecraft_gnc.analysis.reader import load_run
     from spacecraft_gnc.analysis.run_names import run_name
 
+    found = agents(path, namespace, allow_unfinished=unfinished)
+    if len(found) > 1:
+        _tell_choice(str(path), [str(name) for name in found])
+    name, *_ = found
     with show_progress("reading", silent=quiet) as progress:
 
         def tell(done: int, total: int) -> None:
@@ -158,10 +164,18 @@ def _recorded(
                 raise KeyboardInterrupt
             progress(done, total)
 
-        flight = load_run(path, namespace=namespace, allow_unfinished=unfinished, progress=tell)
+        flight = load_run(path, namespace=name, allow_unfinished=unfinished, progress=tell)
     for warning in flight.info.warnings():
         print(f"warning: {warning}", file=sys.stderr)
-    return RecordedFlight(flight, run_name(path), rate)
+    title = run_name(path) if name is None else f"{run_name(path)} /{name.strip('/')}"
+    return RecordedFlight(flight, title, rate)
+
+
+def _tell_choice(what: str, agents: Sequence[str]) -> None:
+    """Tell which of several spacecraft is shown where none was named: the first."""
+    listed = ", ".join(f"/{agent}" for agent in agents)
+    text = f"holds several spacecraft ({listed}); shows the first; name another with --namespace"
+    print(f"note: {what}: {text}", file=sys.stderr)
 
 
 def _announce(about: dict[str, Any], text: str, as_json: bool, quiet: bool) -> None:

@@ -120,6 +120,11 @@ def running_graphs() -> Iterator[Graph]:
             yield Graph(int(path.stem.removeprefix(f"{GRAPH}_")), _read(path))
 
 
+def about(domain_id: int) -> dict[str, Any]:
+    """Return what the launcher of a running graph wrote down; nothing where none holds it."""
+    return next((graph.about for graph in running_graphs() if graph.domain_id == domain_id), {})
+
+
 def _try_claim(kind: str, domain_id: int, about: Mapping[str, Any]) -> DomainLock | None:
     descriptor = os.open(_path(kind, domain_id), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:

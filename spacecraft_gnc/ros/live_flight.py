@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from spacecraft_gnc.analysis.live.history import History
 from spacecraft_gnc.analysis.live.picture import Phase, Picture, Setup
 from spacecraft_gnc.analysis.live.transport import Transport
+from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.ros.graph import GraphView
 from spacecraft_gnc.ros.live_source import LiveSource
 
@@ -27,14 +28,23 @@ class LiveFlight:
     find_domain
         Returns the ROS_DOMAIN_ID to watch; None: no graph runs yet.
     namespace
-        Of the spacecraft.
+        Of the spacecraft; empty: the first of several, else the only one.
+    tell_choice
+        Told of the graph and its agents where one of several was chosen.
     """
 
     transport: Transport | None = None
 
-    def __init__(self, find_domain: Callable[[], int | None], namespace: str = "") -> None:
+    def __init__(
+        self,
+        find_domain: Callable[[], int | None],
+        namespace: str = "",
+        tell_choice: Callable[[str, list[str]], None] = lambda *_: None,
+    ) -> None:
         self._find_domain = find_domain
         self._namespace = namespace
+        self._tell_choice = tell_choice
+        self._watched = ""
         self._looked = 0.0
         self._nothing = (Setup(title="no graph yet", live=True), History())
         self._joined = ExitStack()
@@ -84,11 +94,25 @@ class LiveFlight:
         if view is not None and source is not None and source.heard and not source.ended:
             return
         domain_id = self._find_domain()
-        if domain_id is None or (view is not None and domain_id == view.domain_id):
+        if domain_id is None:
+            return
+        wanted = self._wanted(domain_id)
+        if view is not None and domain_id == view.domain_id and wanted in (None, self._watched):
             return
         self._leave()
+        self._watched = wanted or ""
         self._view = self._joined.enter_context(GraphView(domain_id, take_interrupts=False))
-        self._source = LiveSource(self._view, self._namespace)
+        self._source = LiveSource(self._view, self._watched)
+
+    def _wanted(self, domain_id: int) -> str | None:
+        """Return the agent to watch; None: no launcher has written down yet who flies."""
+        about = domain.about(domain_id)
+        if self._namespace or not about:
+            return self._namespace or None
+        agents = about.get("agents", "").split()
+        if agents and agents[0] != self._watched:
+            self._tell_choice(about["scenario"], agents)
+        return agents[0] if agents else ""
 
     def _leave(self) -> None:
         self._view = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -63,9 +64,10 @@ class LiveSource:
         self._clock = clock
         space = namespace.strip("/")
         prefix = f"/{space}/" if space else "/"
-        self.setup = Setup(title=_title(view.domain_id), live=True)
+        self._title = partial(_title, view.domain_id, space)
+        self.setup = Setup(title=self._title(), live=True)
         self.history = History()
-        self._reader = SetupReader(view.node, prefix)
+        self._reader = SetupReader(view.node, space)
         self._topics = WatchedTopics(view, prefix, self._note_message)
         self._inboxes = self._topics.inboxes
         self._rates = Rates(self._inboxes)
@@ -141,7 +143,7 @@ class LiveSource:
         found = self._reader.poll(self._clock())
         if found is not None:
             strip = self.setup.strip
-            self.setup = Setup.of(found, _title(self._view.domain_id), live=True)
+            self.setup = Setup.of(found, self._title(), live=True)
             if self.setup.strip != strip:  # samples have other columns from here on
                 self.history.clear()
 
@@ -265,9 +267,8 @@ def _attitude(signal: Signal, data: bytes) -> Matrix3 | None:
         return None
 
 
-def _title(domain_id: int) -> str:
+def _title(domain_id: int, space: str) -> str:
     """Name the graph by the scenario that its launcher wrote down, if there is one."""
-    for graph in domain.running_graphs():
-        if graph.domain_id == domain_id and "scenario" in graph.about:
-            return Path(graph.about["scenario"]).stem
-    return f"ROS_DOMAIN_ID={domain_id}"
+    scenario = domain.about(domain_id).get("scenario", "")
+    name = Path(scenario).stem if scenario else f"ROS_DOMAIN_ID={domain_id}"
+    return f"{name} /{space}" if space else name

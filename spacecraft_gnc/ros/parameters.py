@@ -33,6 +33,8 @@ from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR, PLANT
 _FILE = "--params-file"
 _OPTIONS = ("-p", "--param")
 _RANGE_END = 1.7976931348623157e308
+AGENTS = "agents"
+"""Parameter of a plant that simulates several: their namespaces, without the first slash."""
 ROS_OWN = ("use_sim_time", "start_type_description_service")
 """Parameters that every node has, of no concern to a scenario."""
 
@@ -151,18 +153,33 @@ def given_parameters(node: Node) -> dict[str, Any]:
 def _declare(node: Node, section: str, fleet: Fleet) -> None:
     """Declare every parameter with type, range, unit and description, holding its checked value.
 
-    A plant of several agents has a value in which they differ once for each: ``sc1.inertia``.
+    A plant of several agents has a value in which they differ once for each, ``sc1.inertia``, and
+    tells who they are.
     """
     own = agent_of_node(node, fleet)
+    if section == PLANT and "" not in fleet.agents and not node.has_parameter(AGENTS):
+        about = ParameterDescriptor(description="agents that it simulates", read_only=True)
+        node.declare_parameter(AGENTS, list(fleet.agents), about, True)
     agents = fleet.agents if section == PLANT else {own: fleet.agents[own]}
     values = [one.values[section] for one in agents.values()]
     for agent, one in agents.items():
         for name, spec in one.declarations(section):
             value = one.values[section][name]
             is_common = all(other.get(name) == value for other in values)
-            told = name if is_common else f"{agent.replace('/', '.')}.{name}"
+            told = name if is_common else f"{_prefix(agent)}{name}"
             if not node.has_parameter(told):  # else declared by an earlier configure
                 node.declare_parameter(told, _ros_value(spec, value), _descriptor(spec), True)
+
+
+def of_agent(values: Mapping[str, Any], agent: str) -> dict[str, Any]:
+    """Return the parameters of one agent out of those of the plant that simulates it."""
+    others = tuple(_prefix(other) for other in values[AGENTS] if other != agent)
+    own = {n: v for n, v in values.items() if not n.startswith(others) and n != AGENTS}
+    return {name.removeprefix(_prefix(agent)): value for name, value in own.items()}
+
+
+def _prefix(agent: str) -> str:
+    return f"{agent.replace('/', '.')}."
 
 
 def _ros_value(spec: ParameterSpec, value: Value) -> Any:

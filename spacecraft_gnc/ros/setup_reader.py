@@ -11,14 +11,18 @@ from rclpy.parameter import parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.ros.parameters import ROS_OWN
+from spacecraft_gnc.ros.parameters import AGENTS, ROS_OWN, of_agent
 from spacecraft_gnc.ros.remote import NOT_SET
 from spacecraft_gnc.scenario import Scenario, from_sections
 from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR, PLANT
+from spacecraft_gnc.signals.members import Place
 
 _RETRY: Final = 1.0  # [s] wall: an answer may be lost, and parameters are declared on configure
 _PROOF: Final = {PLANT: "duration", CONTROLLER: "method", GOVERNOR: "governor"}
 """A parameter of each node that is there once the node is configured."""
+
+
+_SHARED_PLANT: Final = f"/{PLANT}"
 
 
 class SetupReader:
@@ -28,14 +32,16 @@ class SetupReader:
     ----------
     node
         The observer's.
-    prefix
-        Namespace of the spacecraft, with slashes.
+    agent
+        Namespace of the spacecraft, without the first slash; empty: the root.
     """
 
-    def __init__(self, node: Node, prefix: str) -> None:
-        self._questions = {
-            name: _Question(node, f"{prefix}{name}", _PROOF[name]) for name in _PROOF
-        }
+    def __init__(self, node: Node, agent: str) -> None:
+        self._agent = agent
+        place = Place(f"/{agent}" if agent else "")
+        self._questions = {name: _Question(node, place.node(name), _PROOF[name]) for name in _PROOF}
+        if agent:  # its plant may be that of all agents
+            self._questions[_SHARED_PLANT] = _Question(node, _SHARED_PLANT, AGENTS)
         self._told = False
 
     def restart(self) -> None:
@@ -51,6 +57,8 @@ class SetupReader:
         for question in self._questions.values():
             question.poll(now)
         sections = {name: q.values for name, q in self._questions.items() if q.values}
+        if _SHARED_PLANT in sections:
+            sections[PLANT] = of_agent(sections.pop(_SHARED_PLANT), self._agent)
         if PLANT not in sections or CONTROLLER not in sections:
             return None
         if GOVERNOR not in sections and self._questions[GOVERNOR].is_there:

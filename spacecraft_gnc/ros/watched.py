@@ -104,8 +104,9 @@ class WatchedTopics:
                 inbox.put(step, data)
 
         kind, qos = message_type(signal.type), ros_qos(signal.qos)
-        name = f"{self._prefix}{signal}"
-        self._view.node.create_subscription(kind, name, take, qos, raw=True)
+        # What is shared stands in the namespace of the graph, which is the root's with several agents.
+        for place in {self._prefix, "/"} if signal.shared else {self._prefix}:
+            self._view.node.create_subscription(kind, f"{place}{signal}", take, qos, raw=True)
 
     def _full_name(self, signal: Signal) -> str:
         return full_topic_name(self._view.node, f"{self._prefix}{signal}")
