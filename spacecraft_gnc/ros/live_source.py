@@ -28,12 +28,13 @@ from spacecraft_gnc.ros.watched import WatchedTopics
 from spacecraft_gnc.signals import Refused, Signal
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.signals.graph import WALL_TIMING
-from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.types import Matrix3, Vector3
 
 _STALE: Final = 2.0  # [s] wall without a state, at least; a slow flight has its own pace
 _STALE_PERIODS: Final = 3.0
 _LOOK: Final = 0.5  # [s] wall between two looks at who publishes
 _MOST_SAMPLES: Final = 60  # of one picture: a fast flight is drawn coarser
+_INVARIANTS: Final = "plant_invariants"
 _SOLVER_STATUS: Final = "solver_status"
 
 
@@ -200,6 +201,7 @@ class LiveSource:
             reference=_attitude(REFERENCE, self._topics.message(REFERENCE, step)),
             target=self._target(step),
             **self._topics.drawn.step(state, control),
+            external_torque=self._external_torque(),
             source=int(source),
             solve=None if now is None else self._solve(),
             decision=self._decision(step),
@@ -215,6 +217,11 @@ class LiveSource:
             return signal.value(signal.decode(data)) if data else (None, -1)
         except Refused:
             return None, -1
+
+    def _external_torque(self) -> Vector3 | None:
+        """Return what disturbed the vehicle in the last step; None where it does not tell."""
+        m = self._topics.last(_INVARIANTS)
+        return None if m is None else m.array("external_torque")
 
     def _solve(self) -> Solve | None:
         m = self._topics.last(_SOLVER_STATUS)

@@ -104,7 +104,7 @@ class WatchedTopics:
                 inbox.put(step, data)
 
         kind, qos = message_type(signal.type), ros_qos(signal.qos)
-        # What is shared stands in the namespace of the graph, which is the root's with several agents.
+        # What is shared stands in the graph's namespace: the root's, where there are agents.
         for place in {self._prefix, "/"} if signal.shared else {self._prefix}:
             self._view.node.create_subscription(kind, f"{place}{signal}", take, qos, raw=True)
 

@@ -189,6 +189,8 @@ class Picture:
         (3,) body frame [N m s], [N m].
     strip
         Values of `Setup.strip`.
+    external_torque
+        (3,) of the disturbances, body frame [N m].
     source
         Where the torque came from, a constant of TorqueCommand; -1: not known.
     rates
@@ -205,6 +207,7 @@ class Picture:
     momentum: Vector3 | None = None
     torque: Vector3 | None = None
     strip: Array | None = None
+    external_torque: Vector3 | None = None
     source: int = -1
     solve: Solve | None = None
     decision: Decision | None = None
@@ -238,6 +241,7 @@ class Picture:
             "momentum": rounded(self.momentum),
             "torque": rounded(self.torque),
             "strip": rounded(self.strip),
+            "external_torque": rounded(self.external_torque),
             "source": source_name(self.source, "unknown"),
             "error_deg": rounded(self.error_deg(self.reference)),
             "target_error_deg": rounded(self.error_deg(target)),

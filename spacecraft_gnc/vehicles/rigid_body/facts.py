@@ -26,6 +26,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
         start=f"{error:.4g} deg from the target, |Pi| {momentum:g} N m s",
         controller="" if horizon is None else f"horizon {horizon} steps",
         rows=(
+            *_disturbances(scenario),
             ("torque limit", f"{controller.max_torque:g} N m" if controller.max_torque else "none"),
             ("settling", expected.settling),
             ("zones", ", ".join(zones) or "none"),
@@ -36,6 +37,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
             "horizon": horizon,
             "max_torque": controller.max_torque,
             "zones": [zone.name for zone in controller.zones],
+            "disturbances": list(plant.disturbances),
             **expected.numbers,
         },
     )
@@ -48,6 +50,12 @@ def _belief(scenario: Scenario) -> str:
         return ""
     moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(believed))
     return f", believed {moments} kg m^2"
+
+
+def _disturbances(scenario: Scenario) -> list[tuple[str, str]]:
+    """Return the parts that act on the body beside the commands, in a row."""
+    parts = ", ".join(scenario.plant.disturbances)
+    return [("disturbances", f"{parts}, not known to the controller")] if parts else []
 
 
 def _initial_error_deg(scenario: Scenario) -> float:

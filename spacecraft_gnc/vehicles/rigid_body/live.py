@@ -24,8 +24,9 @@ class RigidBodyLive:
         }
 
     def row(self, flight: RigidBodyFlight, step: int) -> dict[str, Vector3]:
-        """Return momentum and torque of a recorded step."""
-        return {"momentum": flight.momentum[step], "torque": flight.torque[step]}
+        """Return momentum, torque and external torque of a recorded step."""
+        names = ("momentum", "torque", "external_torque")
+        return {name: getattr(flight, name)[step] for name in names}
 
     def step(self, state: State, control: Vector3 | None) -> dict[str, Vector3 | None]:
         """Return momentum and torque of a step that flies."""

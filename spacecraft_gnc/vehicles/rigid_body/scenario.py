@@ -80,9 +80,13 @@ def known_inertia(scenario: Scenario, section: str, inertia: Matrix3) -> Matrix3
 def reservation(scenario: Scenario) -> str:
     """Return what the guarantee of a governor rests on; empty where nothing is to be said.
 
-    What flies on board predicts with the inertia that the controller believes.
+    What flies on board predicts with the inertia that the controller believes, and does not know of
+    disturbances.
     """
-    believed, inertia = scenario.controller.inertia, scenario.plant.inertia
-    if not scenario.law.looks_ahead or np.array_equal(believed, inertia):
-        return ""
-    return "limits are sure for the believed inertia only"
+    believed, plant = scenario.controller.inertia, scenario.plant
+    rests = (
+        ("for the believed inertia", not np.array_equal(believed, plant.inertia)),
+        ("without the disturbances", bool(plant.disturbances)),
+    )
+    told = " and ".join(text for text, holds in rests if holds)
+    return f"limits are sure {told} only" if told and scenario.law.looks_ahead else ""

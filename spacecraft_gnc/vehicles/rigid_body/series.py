@@ -52,6 +52,11 @@ def attitude_error_deg(trajectory: Trajectory) -> Array:
     return np.degrees(lie.angles_between(references(trajectory), attitudes(trajectory)))
 
 
+def is_disturbed(trajectory: Trajectory) -> bool:
+    """Tell whether a disturbance acted, as far as it is known."""
+    return bool((np.nan_to_num(trajectory.external_torque) != 0.0).any())
+
+
 def is_governed(trajectory: Trajectory) -> bool:
     """Tell whether a governor predicted, or held the reference back."""
     predicted = np.isfinite(trajectory.governor_margin).any()

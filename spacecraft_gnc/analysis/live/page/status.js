@@ -1,11 +1,19 @@
 // Numbers in words: the lists beside the picture.
 
+import { prefix } from "./charts.js";
+
 const digits = (v, n, unit = "") => (v === null || v === undefined ? "–" : `${+v.toPrecision(n)}${unit}`);
 const small = (v) => (v === null || v === undefined ? "–" : Math.abs(v) >= 0.01 ? digits(v, 4) : v.toExponential(2));
 const micro = (v) => {
   if (v === null || v === undefined) return "–";
   return v < 1e-3 ? `${(v * 1e6).toFixed(0)} µs` : `${(v * 1e3).toFixed(2)} ms`;
 };
+
+function disturbance(torque) {
+  const size = Math.hypot(...(torque ?? []));
+  const [factor, name] = prefix(size);
+  return size > 0 ? `${+(size * factor).toPrecision(3)} ${name}N m` : "–";
+}
 
 function fill(list, rows) {
   const known = rows.filter(([, value]) => value !== "–" && value !== "");
@@ -28,6 +36,7 @@ export function showNumbers(frame, setup) {
     ["error to reference", digits(frame.error_deg, 4, "°")],
     ["error to target", governed ? digits(frame.target_error_deg, 4, "°") : "–"],
     ["torque from", frame.torque ? frame.source : "–", ["optimal", "neighboring extremal", "method"].includes(frame.source) ? "" : "warn"],
+    ["disturbed by", disturbance(frame.external_torque)],
     ...Object.entries(frame.margins_deg).map(([name, v]) => [
       `margin to ${name}`, digits(v, 4, "°"), v < 0 ? "bad" : "",
     ]),

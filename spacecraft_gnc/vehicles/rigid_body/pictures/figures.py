@@ -70,7 +70,8 @@ def flight_makers(
     -------
     dict
         By name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``;
-        ``governor``, ``zones`` and ``solver`` where there is something to show).
+        ``external_torque``, ``governor``, ``zones`` and ``solver`` where there is something to
+        show).
     """
     limit = series.torque_limit(trajectory, scenario)
     zones = scenario.controller.zones if scenario is not None else ()
@@ -78,6 +79,7 @@ def flight_makers(
         "error": lambda axes: panels.attitude_error(axes, trajectory, scale=error_scale),
         "momentum": lambda axes: panels.momentum(axes, trajectory),
         "torque": lambda axes: panels.torque_components(axes, trajectory),
+        "external": lambda axes: panels.external_torque(axes, trajectory),
         "norm": lambda axes: panels.torque_norm(axes, trajectory, limit),
         "sphere": lambda axes: panels.attitude_sphere(axes, trajectory, zones),
         "alpha": lambda axes: panels.alpha(axes, trajectory),
@@ -92,6 +94,8 @@ def flight_makers(
         "torque": lambda: stacked(DOUBLE, draw["torque"], draw["norm"]),
         "sphere": lambda: stacked(_SQUARE, draw["sphere"]),
     }
+    if series.is_disturbed(trajectory):
+        makers["external_torque"] = lambda: stacked(SINGLE, draw["external"])
     if series.is_governed(trajectory):
         makers["governor"] = lambda: stacked(SINGLE, draw["alpha"])
     if zones:

@@ -102,13 +102,24 @@ def momentum(axes: Axes, trajectory: Trajectory) -> None:
 
 def torque_components(axes: Axes, trajectory: Trajectory) -> None:
     """Draw the components of the torque, each value held for one control period."""
-    times, values = _held(trajectory, trajectory.torque)
+    _held_components(axes, trajectory, trajectory.torque, "u", "Torque, body frame")
+
+
+def external_torque(axes: Axes, trajectory: Trajectory) -> None:
+    """Draw the components of the sum of the disturbances, likewise."""
+    values = trajectory.external_torque
+    _held_components(axes, trajectory, values, "d", "External torque, body frame")
+
+
+def _held_components(
+    axes: Axes, trajectory: Trajectory, torque: Array, letter: str, title: str
+) -> None:
+    times, values = _held(trajectory, torque)
     unit = style.prefixed("N m", values)
     for i, name in enumerate(_COMPONENTS):
-        axes.step(
-            times, unit.factor * values[:, i], where="post", label=f"$u_{name}$", **component(i)
-        )
-    frame(axes, times, "Torque, body frame", f"torque [{unit.label}]")
+        label = f"${letter}_{name}$"
+        axes.step(times, unit.factor * values[:, i], where="post", label=label, **component(i))
+    frame(axes, times, title, f"torque [{unit.label}]")
     legend(axes, 3)
 
 

@@ -43,6 +43,8 @@ def motion_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
     yield _momentum(runs, points)
     yield _torque(runs, points)
     yield _torque_norm(runs, points)
+    if any(series.is_disturbed(run.trajectory) for run in runs):
+        yield _external_torque(runs, points)
     margins = list(_zone_margins(runs, points))
     if margins:
         border = limit(span(runs), (0.0, 0.0), "border of the zone")
@@ -142,6 +144,16 @@ def _torque_norm(runs: Sequence[Flown], points: int) -> Chart:
         traces.append(limit(span(runs), (scaled, scaled), f"limit {scaled:g} {unit.label}"))
     y = axis(f"|torque| [{unit.label}]", rangemode="tozero")
     return Chart("torque_norm", "Torque norm and limit", "", over_time(runs, traces, y))
+
+
+def _external_torque(runs: Sequence[Flown], points: int) -> Chart:
+    def values(run: Flown) -> Array:
+        return held(run.trajectory.external_torque)
+
+    unit = style.prefixed("N m", *(run.trajectory.external_torque for run in runs))
+    drawn = components(runs, points, values, "xyz", "torque", unit, **HELD)
+    note = "Sum of the disturbances in the body frame, which the controller does not know."
+    return Chart("external_torque", "External torque", note, drawn, tall=len(runs) > 1)
 
 
 def _zone_margins(runs: Sequence[Flown], points: int) -> Iterator[Trace]:
