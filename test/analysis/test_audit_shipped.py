@@ -4,20 +4,26 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import flown_bags
 import pytest
-from flown_bags import fly
+import wheel_bags
 
 from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.scenario import load_fleet
 from spacecraft_gnc.scenario.fingerprint import differences
 
+FLY = {
+    "rigid_body": flown_bags.fly,
+    "two_wheel": lambda folder, flown: wheel_bags.fly(folder, flown)[0],
+}
+"""What records a flight without ROS, by vehicle."""
 SHIPPED = sorted(Path(__file__).parents[2].joinpath("config").glob("*.yaml"))
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
 def test_a_shipped_flight_passes(tmp_path, file):
     for agent, scenario in load_fleet(file).agents.items():
-        audit = audit_bag(fly(tmp_path / agent, scenario.sections))
+        audit = audit_bag(FLY[scenario.vehicle.name](tmp_path / agent, scenario.sections))
         assert audit.passed, audit.first
         assert audit.steps == scenario.n_steps
         assert differences(audit.scenario, scenario) == ()
