@@ -1,0 +1,80 @@
+"""Report, figures, export and replay of a flight with wheels."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from wheel_bags import fly, sections
+
+from spacecraft_gnc.cli.main import main
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory):
+    return fly(tmp_path_factory.mktemp("flown"))[0]
+
+
+def told(capsys, *argv, code=0):
+    """Return what a command prints on stdout and stderr, and require its exit code."""
+    capsys.readouterr()
+    try:
+        main([*map(str, argv)])
+        found = 0
+    except SystemExit as end:
+        found = end.code or 0
+    captured = capsys.readouterr()
+    assert found == code, captured.err
+    return captured
+
+
+def test_the_page_holds_the_wheels_and_the_audit(bag, tmp_path, capsys):
+    page = tmp_path / "report.html"
+    told(capsys, "report", bag, "-o", page, "-q")
+    text = page.read_text()
+    for words in ("Wheel speeds", "Wheel accelerations", "Total momentum", "Wheel lost at"):
+        assert words in text
+    assert "badge passed" in text
+
+
+def test_two_flights_are_compared(bag, tmp_path, capsys):
+    changed = sections(nmpc_controller={"feedback_damping_ratio": 0.7})
+    other, _ = fly(tmp_path, changed)
+    told(capsys, "report", bag, other, "-o", tmp_path / "two.html", "-q")
+    told(capsys, "plot", bag, other, "-o", tmp_path / "two", "-f", "svg", "-q")
+    names = {path.stem for path in (tmp_path / "two").iterdir()}
+    assert names == {"comparison_error", "comparison_wheels"}
+
+
+def test_every_figure_is_drawn(bag, tmp_path, capsys):
+    out = told(capsys, "plot", bag, "-o", tmp_path, "-f", "svg", "--json", "-q").out
+    names = {"overview", "attitude", "rate", "wheels", "momentum"}
+    assert {path.stem for path in tmp_path.glob("*.svg")} == names
+    assert json.loads(out)["metrics"]["wheel_lost_at"] == 1.0
+    error = told(capsys, "plot", bag, "--animate", tmp_path / "x.gif", code=2).err
+    assert "has no moving picture" in error
+
+
+def test_replay_repeats_the_commands_bit_for_bit(bag, capsys):
+    same = json.loads(told(capsys, "replay", bag, "--json", "-q").out)
+    assert (same["check"], same["first_difference"], same["steps"]) == ("exact", None, 20)
+    other = "nmpc_controller.feedback_bandwidth=0.5"
+    changed = json.loads(told(capsys, "replay", bag, "--set", other, "--json", "-q").out)
+    assert changed["first_difference"] == 0
+    assert changed["max_acceleration_difference"] > 0.1
+
+
+def test_replay_draws_both(bag, tmp_path, capsys):
+    told(capsys, "replay", bag, "--out", tmp_path, "-q")
+    assert (tmp_path / "replay.svg").exists()
+    error = told(capsys, "replay", bag, "--steps", "5:40", code=2).err
+    assert "0 <= A < B <= 20" in error
+
+
+def test_export_has_a_column_for_each_wheel(bag, tmp_path, capsys):
+    told(capsys, "export", bag, "-f", "npz", "-o", tmp_path / "flight.npz", "-q")
+    with np.load(tmp_path / "flight.npz") as arrays:
+        speeds = [name for name in arrays.files if "wheel_speed" in name]
+        assert speeds
+        assert sum(arrays[name].reshape(21, -1).shape[1] for name in speeds) == 4
