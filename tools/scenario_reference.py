@@ -44,7 +44,7 @@ HEAD = """\
 One scenario is one standard ROS 2 parameter file. It is handed unchanged to every node
 (`plant --ros-args --params-file FILE`), to `gnc launch` and to `gnc simulate`; `gnc check FILE`
 names every mistake in it at once. `--set node.parameter=VALUE` (VALUE is YAML) replaces a value for
-one run. A scenario that comes with the package is found by its name (`gnc check gupta2015_case1`);
+one run; of several agents `/sc1/node.parameter` means that of one, `node.parameter` that of all. A scenario that comes with the package is found by its name (`gnc check gupta2015_case1`);
 a file of that name in the working directory, with or without `.yaml`, goes first.
 
 - A parameter that is left out takes its default. `required` ones have none. A formula as default
@@ -79,11 +79,17 @@ test compares every form with live nodes). A section's name is a pattern of full
   the place of that section, at the end if there is none.
 - A wildcard gives a node all its values, also those that only another node knows; a node ignores
   these. A value that no node knows is refused.
-- `--namespace sat1` reads the sections as nodes in `/sat1` do. Without it the nodes are those of
-  the root, or of the only namespace that the file names. A section that matches none is told.
+- Sections in several namespaces are those of several agents, each with a `plant` and an
+  `nmpc_controller` of its own, unless the root has a controller or governor too. One plant node in
+  the root simulates all of them; a section `plant` of the root holds for each agent, beneath its
+  own `plant`, and `recorder` and `launcher` stand in the root ([Agents](graph.md#agents)).
+- `--namespace sat1` reads the sections as nodes in `/sat1` do: of several agents it picks one.
+  Without it the nodes are those of the root, of the only namespace that the file names, or of all
+  agents. A section that matches none is told.
 - Refused although ROS 2 takes it, because part of it would be lost without a word: the same section
   or key twice in one file, keys beside `ros__parameters`, sections of unknown nodes.
-- `gnc launch` starts its nodes in the root namespace. It hands them the file itself, or, where
+- `gnc launch` starts the nodes of one vehicle in the root namespace, those of agents in their own.
+  It hands them the file itself, or, where
   that would not give them these values (options, another namespace, a wildcard that comes last),
   the `scenario.yaml` that it writes into the folder of the run.
 """

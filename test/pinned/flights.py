@@ -23,9 +23,7 @@ from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.scenario import load_fleet
 
 ROOT = Path(__file__).resolve().parents[2]
-SHIPPED = sorted(
-    path.stem for path in (ROOT / "config").glob("*.yaml") if len(load_fleet(path).agents) == 1
-)
+SHIPPED = sorted(path.stem for path in (ROOT / "config").glob("*.yaml"))
 
 _WALL_ARRAYS = frozenset({"solve_time"})
 _WALL_TOPICS = frozenset({"/wall_timing"})
@@ -59,26 +57,35 @@ def simulated(name: str, folder: Path) -> dict[str, Any]:
     summary = told("simulate", name, "--out", str(file))
     with np.load(file) as arrays:
         kept = [key for key in arrays.files if arrays[key].dtype.kind != "U"]
-        flown = {key: records.of_array(arrays[key]) for key in kept if key not in _WALL_ARRAYS}
+        flown = {key: records.of_array(arrays[key]) for key in kept if _is_pinned(key)}
     told_of = {"simulate": summary, "check": told("check", name)}
     return {"machine": fingerprint(), "arrays": flown, "json": told_of}
+
+
+def _is_pinned(key: str) -> bool:
+    """Tell whether an array, perhaps of one agent of several, is none of wall time."""
+    return key.rpartition(".")[2] not in _WALL_ARRAYS
 
 
 def recorded(name: str, folder: Path) -> dict[str, Any]:
     """Fly a scenario as a graph in one process; return its bag and what commands tell of it."""
     run = folder / name
     summary = _launch(name, run)
-    export = folder / f"{name}-bag.npz"
-    method = told("check", name)["method"]
     told_of = {
         "launch": summary,
         "audit": told("audit", str(run)),
         "report": told("report", str(run), "--out", str(folder / f"{name}.html")),
-        "replay": told("replay", str(run), "--method", method),
-        "export": told("export", str(run), "--format", "npz", "--out", str(export)),
     }
-    with np.load(export) as arrays:
-        exported = sorted(arrays.files)
+    exported: list[str] = []
+    for agent, scenario in load_fleet(name).agents.items():
+        one, prefix = (["--namespace", agent], f"{agent} ") if agent else ([], "")
+        export = folder / f"{name}-{agent}.npz"
+        method = scenario.controller.method
+        told_of[f"{prefix}replay"] = told("replay", str(run), "--method", method, *one)
+        target = ["--format", "npz", "--out", str(export)]
+        told_of[f"{prefix}export"] = told("export", str(run), *target, *one)
+        with np.load(export) as arrays:
+            exported += sorted(f"{prefix}{key}" for key in arrays.files)
     topics = of_bag(run / "bag")
     return {"machine": fingerprint(), "topics": topics, "exported": exported, "json": told_of}
 
