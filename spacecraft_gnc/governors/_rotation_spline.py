@@ -22,6 +22,7 @@ from spacecraft_gnc.types import Array, ArrayLike, Matrix3, Vector3, as_rotation
 SMALL_SQUARE = 1e-3  # |phi|^2 below which the coefficients are summed as series
 LARGEST_TURN = math.radians(150.0)  # between two rows; at half a turn the way is not determined
 MISFIT = 0.25  # share of a turn that the rates at its ends may miss it by, with the trapezoid rule
+SMALL_MISS = 1e-3  # [rad], more than that share where a smooth motion starts from rest
 
 
 class RotationSpline:
@@ -111,7 +112,7 @@ class RotationSpline:
         span = float(self._times[i + 1] - self._times[i])
         told = 0.5 * span * (self._rates[i] + self._rates[i + 1])
         miss, length = float(np.linalg.norm(told - turn)), float(np.linalg.norm(told))
-        if miss > MISFIT * max(angle, length) + 1e-6:
+        if miss > MISFIT * max(angle, length) + SMALL_MISS:
             raise ParameterError(
                 f"angular_velocities: received rates of rows {i} and {i + 1} that make a turn of "
                 f"{math.degrees(length):.6g} deg, {math.degrees(miss):.6g} deg off that of the "

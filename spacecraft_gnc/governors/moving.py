@@ -60,6 +60,7 @@ class TurningReference:
 
     name = "turning_reference"
     slow = False
+    moves = True
 
     def __init__(
         self, attitude: ArrayLike, angular_velocity: ArrayLike, inertia: ArrayLike, period: float
@@ -131,6 +132,7 @@ class StoredTrajectory:
 
     name = "stored_trajectory"
     slow = False
+    moves = True
 
     def __init__(
         self,

@@ -82,4 +82,6 @@ class ClosedLoop:
                 progress(k + 1, self.plant.n_steps)
         if reference is None:
             raise ParameterError("plant.n_steps: received 0; required at least 1 control step")
+        if getattr(self.governor, "moves", False):
+            reference = self.governor.decide(state).reference
         return log.finish(End(state, reference))

@@ -46,7 +46,7 @@ class End(NamedTuple):
 
     state: Any
     reference: Any
-    """Of the last step."""
+    """Of the last step; at this time, where it moves by itself."""
 
 
 class Column(NamedTuple):

@@ -134,7 +134,8 @@ class Governor(Protocol[S_contra, R]):
     """Shapes the reference so that the loop behind it keeps its constraints."""
 
     name: str
-    """Law, as in the scenario's ``governor:``."""
+    """Law, as in the scenario's ``governor:``. Where its reference moves by itself, the class also
+    says ``moves = True`` (`vehicles.vehicle.GovernorLaw`)."""
     slow: bool
     """Whether a decision may take longer than some milliseconds: a node then makes it in a thread
     of its own, and never two at a time."""

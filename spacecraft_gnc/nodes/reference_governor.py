@@ -202,8 +202,9 @@ class GovernorNode(GncNode):
 
     def _decide(self, step: int, state: Any) -> _Decided:
         taken, self._taken = self._taken, None
-        if taken is None and self._is_first and (step > 0 or self._has_announced):
-            taken = self._governor.target  # started anew: what was announced counts no more
+        is_anew = self._is_first and (step > 0 or self._has_announced)
+        if taken is None and is_anew and not getattr(self._governor, "moves", False):
+            taken = self._governor.target  # what was announced counts no more
         self._is_first = False
         self._has_announced |= taken is not None
         return _Decided(self._governor.decide(state), self._governor.target, taken)

@@ -83,7 +83,8 @@ class ParameterSpec:
     plugins: str = ""
     """Registry group that knows the names allowed (`vehicles.registry`); empty where none does."""
     shape: tuple[int, ...] = ()
-    """(): scalar, (3,), (3, 3) given as 9 numbers row-major, (-1,): any length, (3, -1): 3 rows."""
+    """(): scalar, (3,), (3, 3) given as 9 numbers row-major, (-1,): any length, (3, -1): 3 rows,
+    (-1, 3): rows of 3 numbers."""
     may_be_empty: bool = False
     required: bool = False
     nonzero: bool = False
@@ -110,7 +111,7 @@ class ParameterSpec:
     @property
     def rows(self) -> int:
         """Number that the length of the flat array is a multiple of."""
-        return self.shape[0] if self.length == -1 and len(self.shape) > 1 else 1
+        return abs(int(np.prod(self.shape))) if self.length == -1 else 1
 
     @property
     def range_text(self) -> str:
@@ -172,6 +173,7 @@ _ARRAY_TEXTS: Final = {
     (3,): "3 numbers",
     (3, 3): "9 numbers (3x3, row-major)",
     (3, -1): "3 m numbers (3 x m, row-major)",
+    (-1, 3): "3 n numbers (n x 3, row-major)",
 }
 
 

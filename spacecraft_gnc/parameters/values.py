@@ -163,7 +163,9 @@ def _check_size(spec: ParameterSpec, value: Value) -> None:
         raise Refusal(
             f"{len(value)} numbers: {shown(value)}",
             spec.requirement,
-            f"write {spec.rows} rows of equal length, one after the other",
+            f"write {spec.rows} rows of equal length, one after the other"
+            if spec.shape[0] > 0
+            else f"write {spec.rows} numbers for each row",
         )
     if not value:
         raise Refusal("[]", f"{spec.requirement}, at least one", "add one")

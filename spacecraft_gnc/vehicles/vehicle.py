@@ -84,6 +84,9 @@ class GovernorLaw:
     """Dataclass of the parameters it reads beside those that every law reads; None: not known."""
     looks_ahead: bool = True
     """Whether it predicts the loop, so that it may refuse a start when it is built."""
+    moves: bool = False
+    """Whether its reference moves by itself, by the number of the step alone: it is then what the
+    governor is asked for, and a governor that starts anew announces no target."""
     vehicle: str = DEFAULT_VEHICLE
     """Of another package's: the vehicle that it is for."""
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.governors.laws import STORED, TURNING
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, reservation
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 
@@ -23,7 +24,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
     kept = [f"{what} limit {value:g} {unit}" for what, value, unit in limits if value > 0.0]
     return Facts(
         body=f"principal moments {moments} kg m^2{_belief(scenario)}",
-        start=f"{error:.4g} deg from the target, |Pi| {momentum:g} N m s",
+        start=f"{error:.4g} deg from the {_aim(scenario)}, |Pi| {momentum:g} N m s",
         controller="" if horizon is None else f"horizon {horizon} steps",
         rows=(
             *_disturbances(scenario),
@@ -31,7 +32,9 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
             ("settling", expected.settling),
             ("zones", ", ".join(zones) or "none"),
         ),
-        governor=", ".join(text for text in (*kept, reservation(scenario)) if text),
+        governor=", ".join(
+            text for text in (*_motion(scenario), *kept, reservation(scenario)) if text
+        ),
         numbers={
             "initial_error_deg": error,
             "horizon": horizon,
@@ -58,10 +61,30 @@ def _disturbances(scenario: Scenario) -> list[tuple[str, str]]:
     return [("disturbances", f"{parts}, not known to the controller")] if parts else []
 
 
+def _aim(scenario: Scenario) -> str:
+    return "first reference" if scenario.law.moves else "target"
+
+
+def _motion(scenario: Scenario) -> list[str]:
+    """Return how a reference moves."""
+    governor, law = scenario.governor, scenario.law
+    if law is TURNING:
+        rate = math.degrees(float(np.linalg.norm(governor.reference_rate)))
+        return [f"{rate:.4g} deg/s"]
+    if law is STORED:
+        times = governor.trajectory.times
+        return [f"{len(times)} rows, {times[-1]:g} s"]
+    return []
+
+
 def _initial_error_deg(scenario: Scenario) -> float:
-    """Return the angle between the initial and the target attitude [deg]."""
-    start = _quaternion(scenario.plant.initial_rotation_vector)
-    target = _quaternion(scenario.governor.target_rotation_vector)
+    """Return the angle between the initial attitude and the target, or first reference [deg]."""
+    governor = scenario.governor
+    is_stored = scenario.law is STORED
+    first = (
+        governor.trajectory.rotation_vectors[0] if is_stored else governor.target_rotation_vector
+    )
+    start, target = _quaternion(scenario.plant.initial_rotation_vector), _quaternion(first)
     return math.degrees(2.0 * math.acos(min(1.0, abs(float(start @ target)))))
 
 

@@ -14,12 +14,15 @@ class RigidBodyLive:
     """Implements `vehicles.live.VehicleLive`."""
 
     def constants(self, scenario: Scenario) -> dict[str, Any]:
-        """Return ``torque_limit`` [N m] (0: none), ``target`` (3, 3) and ``zones``."""
+        """Return ``torque_limit`` [N m] (0: none), ``target`` (3, 3) and ``zones``.
+
+        ``target`` is None where the reference moves by itself.
+        """
         governor, controller = scenario.governor, scenario.controller
-        governed = governor.governor != "none"
+        governed = scenario.law.looks_ahead
         return {
             "torque_limit": controller.max_torque or (governor.max_torque if governed else 0.0),
-            "target": lie.exp(governor.target_rotation_vector),
+            "target": None if scenario.law.moves else lie.exp(governor.target_rotation_vector),
             "zones": controller.zones,
         }
 

@@ -18,6 +18,8 @@ def outlook(scenario: Scenario, cut_short: bool) -> Outlook:
 
     ``cut_short``: its duration is shorter on purpose, and no warning is due.
     """
+    if scenario.law.moves:
+        return Outlook("not predicted for a reference that moves", _numbers(None, 0.0))
     prediction = predict(scenario)
     settling = _settling(scenario, prediction)
     if prediction is None:

@@ -71,7 +71,8 @@ def read_recorded(
     targets = _targets(n, columns[ACCEPTED_TARGET], scenario)
     if scenario is not None:
         torques = torques._replace(source=scenario.method.current_sources(torques.source))
-    trajectory = _trajectory(n, columns, torques, targets, period)
+    is_moving = scenario is not None and scenario.law.moves and bool(columns[REFERENCE].steps.size)
+    trajectory = _trajectory(n, columns, torques, targets, period, is_moving)
     return Recorded(trajectory, missing, overridden)
 
 
@@ -142,7 +143,10 @@ def _period(states: Columns) -> float:
 
 
 def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
-    """Return (n, 3, 3) targets: the scenario's, then those that the governor took in flight."""
+    """Return (n, 3, 3) targets: the scenario's, then those that the governor took in flight.
+
+    NaN where the scenario is not known; a reference that moves by itself stands for its target.
+    """
     targets = np.full((n, 3, 3), math.nan)
     if scenario is not None:
         targets[:] = lie.exp(scenario.governor.target_rotation_vector)
@@ -152,7 +156,12 @@ def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
 
 
 def _trajectory(
-    n: int, columns: Mapping[Signal, Columns], torques: Torques, targets: Array, period: float
+    n: int,
+    columns: Mapping[Signal, Columns],
+    torques: Torques,
+    targets: Array,
+    period: float,
+    is_moving: bool,
 ) -> RigidBodyFlight:
     states, references, solves, decisions = (
         columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
@@ -161,6 +170,12 @@ def _trajectory(
     if not references.steps.size:  # a run without a governor regulates to the identity
         reference = np.tile(np.eye(3), (n, 1, 1))
     known = np.flatnonzero(np.isfinite(reference).all(axis=(1, 2)))
+    last = reference[known[-1]] if known.size else np.full((3, 3), math.nan)
+    if is_moving:  # the governor answers the last state, too
+        targets, last = (
+            reference,
+            _placed(n + 1, references.steps, references.fields["attitude"])[n],
+        )
     final = int(np.searchsorted(states.steps, n))
     status = _integers(n, -1, solves.steps, solves.fields.get("status"))
     return RigidBodyFlight(
@@ -184,7 +199,7 @@ def _trajectory(
         governor_margin=_filled(n, decisions, "margin"),
         final_attitude=states.fields["attitude"][final].reshape(3, 3),
         final_momentum=states.fields["angular_momentum"][final],
-        final_reference=reference[known[-1]] if known.size else np.full((3, 3), math.nan),
+        final_reference=last.reshape(3, 3),
     )
 
 

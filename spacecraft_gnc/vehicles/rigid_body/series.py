@@ -57,6 +57,11 @@ def is_disturbed(trajectory: Trajectory) -> bool:
     return bool((np.nan_to_num(trajectory.external_torque) != 0.0).any())
 
 
+def is_moving(trajectory: Trajectory) -> bool:
+    """Tell whether the reference moved by itself, with a rate of its own."""
+    return bool((np.nan_to_num(trajectory.reference_rate) != 0.0).any())
+
+
 def is_governed(trajectory: Trajectory) -> bool:
     """Tell whether a governor predicted, or held the reference back."""
     predicted = np.isfinite(trajectory.governor_margin).any()
@@ -128,19 +133,27 @@ def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:
 
 
 def stage_costs(
-    trajectory: Trajectory, weights: WeightParameters, actuators: Array | None = None
+    trajectory: Trajectory,
+    weights: WeightParameters,
+    actuators: Array | None = None,
+    inertia: Array | None = None,
 ) -> Array:
-    """Return (n,) stage costs of the control steps, with the reference attitude in place of I.
+    """Return (n,) stage costs of the control steps, with the reference in place of rest at I.
 
-    C_k = h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k)|_F^2 + |Q3^(1/2) hat(u_k)|_F^2)
+    C_k = h/2 (|Q1^(1/2) (R_k - R_ref)|_F^2 + |Q2^(1/2) hat(Pi_k - J w)|_F^2
+               + |Q3^(1/2) hat(u_k - u_ref)|_F^2)
 
-    u_k are the least controls that make the torque by the (3, m) matrix ``actuators``, and the
-    torque itself where that is absent or empty.
+    w is the rate of the reference and J the (3, 3) ``inertia``, which a fixed reference does not
+    need. u_k are the least controls that make the torque by the (3, m) matrix ``actuators``, and
+    the torque itself where that is absent or empty; u_ref those of the torque of the reference.
 
     **Source**: Gupta et al. (2015), equation (28).
     """
     deviation = trajectory.attitude - trajectory.reference
-    controls, weight = trajectory.torque, weights.stage_torque
+    controls = trajectory.torque - trajectory.reference_torque
+    weight, momentum = weights.stage_torque, trajectory.momentum
+    if inertia is not None:
+        momentum = momentum - trajectory.reference_rate @ inertia
     if actuators is not None and actuators.size:
         controls = controls @ np.linalg.pinv(actuators).T
     if controls.shape[1] == 3:
@@ -148,7 +161,7 @@ def stage_costs(
     else:  # one number then: the weight of |u|^2
         torque_term = 2.0 * weight[0, 0] * np.einsum("ni,ni->n", controls, controls)
     attitude_term = _frobenius(weights.stage_attitude, deviation)
-    momentum_term = _hat_norm_squared(trajectory.momentum, weights.stage_momentum)
+    momentum_term = _hat_norm_squared(momentum, weights.stage_momentum)
     return np.asarray(0.5 * trajectory.period * (attitude_term + momentum_term + torque_term))
 
 

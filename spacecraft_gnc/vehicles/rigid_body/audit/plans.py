@@ -132,6 +132,7 @@ class Certifier:
         """Work out what plans are worth."""
         return self._certify(plans)[0]
 
+    @np.errstate(all="ignore")  # numbers of a recording may be of any size
     def _certify(self, plans: Plans) -> tuple[Certificates, Array]:
         """Return the certificates, and the costates (m, N, 6)."""
         problem, R, Pi = self.problem, plans.attitudes, plans.momenta

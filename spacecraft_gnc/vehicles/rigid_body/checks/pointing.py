@@ -19,7 +19,7 @@ from spacecraft_gnc.vehicles.rigid_body.checks.pointing_cones import (
     implies,
     leave_nothing,
 )
-from spacecraft_gnc.vehicles.rigid_body.chosen import is_governed
+from spacecraft_gnc.vehicles.rigid_body.chosen import is_governed, moves
 from spacecraft_gnc.vehicles.rigid_body.descriptor import VEHICLE
 
 _CONTROLLER: Final = "nmpc_controller"
@@ -55,9 +55,12 @@ def check_pointing(checked: Checked) -> None:
 def attitude_of(checked: Checked, what: str) -> Matrix3 | None:
     """Return the start or the target attitude (3, 3); None where the scenario tells of none.
 
-    A node by itself may be given neither; a whole scenario has a plant.
+    A node by itself may be given neither; a whole scenario has a plant. A moving reference leads to
+    no target.
     """
     section, name = _ATTITUDES[what]
+    if what == "target" and moves(checked):
+        return None
     if not {"plant", section} & checked.given.keys():
         return None
     value = checked.get(section, name)

@@ -12,10 +12,11 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.governors.attitude import AttitudeGovernor
+from spacecraft_gnc.governors.moving import StoredTrajectory, TurningReference
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
 from spacecraft_gnc.governors.prediction import Planner
 from spacecraft_gnc.governors.reference_set import ReferenceSet
-from spacecraft_gnc.types import State
+from spacecraft_gnc.types import Array, State
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 
 
@@ -52,6 +53,45 @@ def attitude_governor(scenario: Scenario) -> AttitudeGovernor:
         start = State(0, lie.exp(p.initial_rotation_vector), np.array(p.initial_momentum))
         governor.require_start(start)
     return governor
+
+
+def turning_reference(scenario: Scenario) -> TurningReference:
+    """Return the governor ``turning_reference`` of a scenario.
+
+    Raises
+    ------
+    GncError
+        If a parameter is refused.
+    """
+    g, c = scenario.governor, scenario.controller
+    inertia = known_inertia(scenario, "nmpc_controller", c.inertia)
+    return TurningReference(
+        lie.exp(g.target_rotation_vector), g.reference_rate, inertia, scenario.period
+    )
+
+
+def stored_trajectory(scenario: Scenario) -> StoredTrajectory:
+    """Return the governor ``stored_trajectory`` of a scenario.
+
+    Raises
+    ------
+    GncError
+        If a parameter is refused.
+    """
+    table, c = scenario.governor.trajectory, scenario.controller
+    return StoredTrajectory(
+        table.times,
+        rows_of(table.rotation_vectors),
+        table.angular_velocities,
+        known_inertia(scenario, "nmpc_controller", c.inertia),
+        scenario.period,
+        plant_step=scenario.plant.time_step,
+    )
+
+
+def rows_of(rotation_vectors: Array) -> Array:
+    """Return the attitudes (n, 3, 3) of the rows of a table (n, 3) [rad]."""
+    return np.array([lie.exp(vector) for vector in rotation_vectors]).reshape(-1, 3, 3)
 
 
 def reference_set_of(scenario: Scenario) -> ReferenceSet:

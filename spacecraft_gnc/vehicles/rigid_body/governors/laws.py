@@ -6,7 +6,11 @@ from typing import Final
 
 from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.parameters.attitude import NoLawParameters
-from spacecraft_gnc.vehicles.rigid_body.parameters.governor import AttitudeLawParameters
+from spacecraft_gnc.vehicles.rigid_body.parameters.governor import (
+    AttitudeLawParameters,
+    TrajectoryParameters,
+    TurningParameters,
+)
 from spacecraft_gnc.vehicles.vehicle import GovernorLaw
 
 NONE: Final = GovernorLaw(
@@ -20,4 +24,18 @@ ATTITUDE: Final = GovernorLaw(
     build=Lazy(f"{__package__}.build:attitude_governor"),
     parameters=AttitudeLawParameters,
 )
-LAWS: Final[tuple[GovernorLaw, ...]] = (NONE, ATTITUDE)
+TURNING: Final = GovernorLaw(
+    name="turning_reference",
+    build=Lazy(f"{__package__}.build:turning_reference"),
+    parameters=TurningParameters,
+    looks_ahead=False,
+    moves=True,
+)
+STORED: Final = GovernorLaw(
+    name="stored_trajectory",
+    build=Lazy(f"{__package__}.build:stored_trajectory"),
+    parameters=TrajectoryParameters,
+    looks_ahead=False,
+    moves=True,
+)
+LAWS: Final[tuple[GovernorLaw, ...]] = (NONE, ATTITUDE, TURNING, STORED)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.loop.protocols import Reference, Source
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.trajectory import Trajectory
@@ -44,9 +44,9 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
         solver = ShootingSolver(problem_of(scenario))
         largest = math.nan
         for k in answered[_recorded(trajectory)[answered]]:
-            exact = solver.solve(
-                trajectory.attitude[k], trajectory.momentum[k], trajectory.reference[k]
-            )
+            moving = trajectory.reference_rate[k], trajectory.reference_torque[k]
+            reference = Reference(trajectory.reference[k], *moving)
+            exact = solver.solve(trajectory.attitude[k], trajectory.momentum[k], reference)
             if exact.converged:
                 off = float(np.linalg.norm(exact.torques[0] - trajectory.torque[k]))
                 largest = np.fmax(largest, off)

@@ -170,7 +170,9 @@ def _stage_costs(trajectory: Trajectory, scenario: Scenario) -> Array:
     controller = scenario.controller
     if "weights.stage_rate" in scenario.method.reads:
         return series.terminal_set_stage_costs(trajectory, controller)
-    return series.stage_costs(trajectory, controller.weights, controller.actuators)
+    return series.stage_costs(
+        trajectory, controller.weights, controller.actuators, controller.inertia
+    )
 
 
 def _zone_metrics(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from spacecraft_gnc.parameters.attitude import TargetParameters
-from spacecraft_gnc.parameters.parameter import ANGLES, LARGEST, Kind, parameter
-from spacecraft_gnc.types import Vector3
+from spacecraft_gnc.parameters.parameter import ANGLES, LARGEST, LONGEST, Kind, group, parameter
+from spacecraft_gnc.types import Array, Vector3
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
@@ -91,6 +91,64 @@ class AttitudeLawParameters:
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
+class TurningParameters:
+    """What ``governor: turning_reference`` reads beside the target, its attitude at step 0."""
+
+    reference_rate: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [0.0, 0.0, 0.0],
+        "turning_reference: constant angular velocity, in its own frame, of a reference that "
+        "starts at the target",
+        unit="rad/s",
+        shape=(3,),
+        **ANGLES,
+    )
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
-class GovernorParameters(AttitudeLawParameters, TargetParameters):
+class TrajectoryTable:
+    """A stored trajectory, row by row."""
+
+    times: Array = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "stored_trajectory: time of each row, from 0 on, increasing",
+        unit="s",
+        shape=(-1,),
+        may_be_empty=True,
+        minimum=0.0,
+        maximum=LONGEST,
+    )
+    rotation_vectors: Array = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "stored_trajectory: attitude exp(hat(.)) of each row, body to inertial",
+        unit="rad",
+        shape=(-1, 3),
+        may_be_empty=True,
+        **ANGLES,
+    )
+    angular_velocities: Array = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "stored_trajectory: angular velocity of each row, in the reference's own frame",
+        unit="rad/s",
+        shape=(-1, 3),
+        may_be_empty=True,
+        **ANGLES,
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
+class TrajectoryParameters:
+    """What ``governor: stored_trajectory`` reads."""
+
+    trajectory: TrajectoryTable = group(TrajectoryTable)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GovernorParameters(
+    TrajectoryParameters, TurningParameters, AttitudeLawParameters, TargetParameters
+):
     """Section ``reference_governor``."""

@@ -70,8 +70,8 @@ def flight_makers(
     -------
     dict
         By name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``;
-        ``external_torque``, ``governor``, ``zones`` and ``solver`` where there is something to
-        show).
+        ``tracking``, ``external_torque``, ``governor``, ``zones`` and ``solver`` where there is
+        something to show).
     """
     limit = series.torque_limit(trajectory, scenario)
     zones = scenario.controller.zones if scenario is not None else ()
@@ -79,6 +79,7 @@ def flight_makers(
         "error": lambda axes: panels.attitude_error(axes, trajectory, scale=error_scale),
         "momentum": lambda axes: panels.momentum(axes, trajectory),
         "torque": lambda axes: panels.torque_components(axes, trajectory),
+        "tracking": lambda axes: panels.tracking(axes, trajectory),
         "external": lambda axes: panels.external_torque(axes, trajectory),
         "norm": lambda axes: panels.torque_norm(axes, trajectory, limit),
         "sphere": lambda axes: panels.attitude_sphere(axes, trajectory, zones),
@@ -94,6 +95,8 @@ def flight_makers(
         "torque": lambda: stacked(DOUBLE, draw["torque"], draw["norm"]),
         "sphere": lambda: stacked(_SQUARE, draw["sphere"]),
     }
+    if series.is_moving(trajectory):
+        makers["tracking"] = lambda: stacked(DOUBLE, draw["tracking"], draw["error"])
     if series.is_disturbed(trajectory):
         makers["external_torque"] = lambda: stacked(SINGLE, draw["external"])
     if series.is_governed(trajectory):

@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import sphere, style
 from spacecraft_gnc.drawing.axes import component, frame, legend, plain_numbers, positive
 from spacecraft_gnc.drawing.axes import limit as draw_limit
@@ -88,6 +89,21 @@ def _label_settling(axes: Axes, time: float, threshold: float) -> None:
         fontsize=8,
         bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8},
     )
+
+
+def tracking(axes: Axes, trajectory: Trajectory) -> None:
+    """Draw the attitude as quaternion, and the moving reference as broad bands beneath it."""
+    times = series.state_times(trajectory)
+    wanted = forms.quaternions_xyzw(series.references(trajectory))
+    flown = forms.quaternions_xyzw(series.attitudes(trajectory))
+    same = np.nansum(wanted * flown, axis=1)[-1]  # q and -q are one rotation
+    flown = flown if same >= 0.0 else -flown
+    for i, name in enumerate(forms.QUATERNION.components):
+        look = component(i)
+        axes.plot(times, wanted[:, i], color=look["color"], linewidth=5.0, alpha=0.3)
+        axes.plot(times, flown[:, i], label=name, **look)
+    frame(axes, times, "Attitude, and reference as bands", "quaternion [-]")
+    legend(axes, 4)
 
 
 def momentum(axes: Axes, trajectory: Trajectory) -> None:

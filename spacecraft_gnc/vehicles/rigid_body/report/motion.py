@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.chart import (
@@ -35,10 +37,15 @@ from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
 
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.trajectory import Trajectory
+
 
 def motion_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
     """Yield the diagrams of what the spacecraft did."""
     yield _attitude_error(runs, points)
+    if any(series.is_moving(run.trajectory) for run in runs):
+        yield _tracking(runs, points)
     yield _attitude(runs, points)
     yield _momentum(runs, points)
     yield _torque(runs, points)
@@ -74,6 +81,27 @@ def _attitude_error(runs: Sequence[Flown], points: int) -> Chart:
         over_time(runs, traces, log_axis("angle [deg]")),
         scale="yaxis",
     )
+
+
+def _tracking(runs: Sequence[Flown], points: int) -> Chart:
+    """Return the angle from the first reference to each reference and attitude, over time."""
+    traces = list(one_curve_each(runs, points, _turned(series.attitudes), "attitude"))
+    for i, run in enumerate(runs):
+        angle = _turned(series.references)(run)
+        line = {**run_line(i), "dash": "dot", "width": 4.0}
+        text = named(runs, run, "reference")
+        traces.append(trace(Curve(times_of(run, angle), angle, text, line), points))
+    note = "Angle to the first reference, of the attitude and of the moving reference."
+    return Chart("tracking", "Tracking", note, over_time(runs, traces, axis("angle [deg]")))
+
+
+def _turned(attitudes: Callable[[Trajectory], Array]) -> Callable[[Flown], Array]:
+    def angle(run: Flown) -> Array:
+        first = run.trajectory.reference[:1]
+        turned = attitudes(run.trajectory)
+        return np.degrees(lie.angles_between(np.broadcast_to(first, turned.shape), turned))
+
+    return angle
 
 
 def _attitude(runs: Sequence[Flown], points: int) -> Chart:

@@ -152,9 +152,10 @@ def _complete(flight: Trajectory, first: int, end: int) -> NDArray[np.int64]:
 
 
 def _recorded(flight: Trajectory, k: int) -> tuple[State, GovernorDecision]:
-    """Return what the controller was given at step ``k``; no governor of ours feeds forward."""
+    """Return what the controller was given at step ``k``."""
     state = State(k, flight.attitude[k], flight.momentum[k])
-    reference = Reference(flight.reference[k], np.zeros(3), np.zeros(3))
+    feedforward = flight.reference_rate[k], flight.reference_torque[k]
+    reference = Reference(flight.reference[k], *feedforward)
     alpha, margin = float(flight.alpha[k]), float(flight.governor_margin[k])
     return state, GovernorDecision(reference, alpha, True, margin, "", 0)
 
