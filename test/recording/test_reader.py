@@ -82,7 +82,8 @@ def test_repeated_messages_count_once(tmp_path):
 
 def test_commands_stand_in_where_the_plant_says_nothing(tmp_path):
     bag = record(tmp_path / "bag", lose(("plant_invariants", None)))
-    assert_same(read_flight(bag).trajectory, FLIGHT)
+    unknown = np.full_like(FLIGHT.external_torque, np.nan)
+    assert_same(read_flight(bag).trajectory, replace(FLIGHT, external_torque=unknown))
 
 
 def test_the_torque_that_acted_counts_not_the_command(tmp_path):
@@ -184,7 +185,7 @@ def test_a_namespace_tells_spacecraft_apart(tmp_path):
     assert_same(read_flight(tmp_path / "bag", namespace="target").trajectory, other)
     with pytest.raises(RecordingError, match=r"several spacecraft \(/chaser, /target\)"):
         read_flight(tmp_path / "bag")
-    with pytest.raises(RecordingError, match="no topic attitude_state in namespace third"):
+    with pytest.raises(RecordingError, match=r"no topic attitude_state or .* in namespace third"):
         read_flight(tmp_path / "bag", namespace="third")
 
 

@@ -24,6 +24,12 @@ CHANGED: dict[str, Any] = {
     "route": False,
     "route_clearance_deg": 3.0,
 }
+MOVING: dict[str, tuple[str, Any]] = {
+    "reference_rate": ("turning_reference", [0.0, 0.0, 0.1]),
+    "trajectory.times": ("stored_trajectory", [0.0, 1.0]),
+    "trajectory.rotation_vectors": ("stored_trajectory", [0.1] * 6),
+    "trajectory.angular_velocities": ("stored_trajectory", [0.0, 0.0, 0.1]),
+}
 
 
 def problems(method: str, **governor: Any) -> list[str]:
@@ -42,7 +48,7 @@ def problems(method: str, **governor: Any) -> list[str]:
 def test_every_parameter_of_the_table_exists() -> None:
     declared = {d.name for d in schema_of(VEHICLE).declarations("reference_governor")}
     assert readers(VEHICLE.governors).keys() <= declared
-    assert readers(VEHICLE.governors).keys() == CHANGED.keys()
+    assert readers(VEHICLE.governors).keys() == CHANGED.keys() | MOVING.keys()
 
 
 @pytest.mark.parametrize("name", CHANGED)
@@ -52,6 +58,14 @@ def test_only_the_governor_attitude_reads_them(name: str) -> None:
     (line,) = problems("feedback", governor="none", **given)
     assert f"reference_governor.{name}: received" in line
     assert "required a governor that reads it (attitude), not none; remove it" in line
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_only_a_law_that_moves_the_reference_reads_these(name: str) -> None:
+    law, value = MOVING[name]
+    for other in ("none", "attitude"):
+        (line,) = problems("feedback", governor=other, **{name: value})
+        assert f"required a governor that reads it ({law}), not {other}; remove it" in line
 
 
 def test_a_default_that_is_stated_is_no_fault() -> None:

@@ -235,7 +235,7 @@ def test_a_check_refuses_a_method_without_a_factory(capsys: pytest.CaptureFixtur
 
 @pytest.mark.usefixtures("plugins")
 def test_what_a_plug_in_refuses_is_passed_on() -> None:
-    with pytest.raises(ParameterError, match="required at most"):
+    with pytest.raises(InvalidScenario, match=r"plant \(gain\): received 2.0; required at most"):
         scenario("refusing").build_plant()
 
 

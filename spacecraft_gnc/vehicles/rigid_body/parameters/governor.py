@@ -102,6 +102,7 @@ class TurningParameters:
         "starts at the target",
         unit="rad/s",
         shape=(3,),
+        is_neutral=True,
         **ANGLES,
     )
 
@@ -117,6 +118,7 @@ class TrajectoryTable:
         unit="s",
         shape=(-1,),
         may_be_empty=True,
+        is_neutral=True,
         minimum=0.0,
         maximum=LONGEST,
     )
@@ -127,6 +129,7 @@ class TrajectoryTable:
         unit="rad",
         shape=(-1, 3),
         may_be_empty=True,
+        is_neutral=True,
         **ANGLES,
     )
     angular_velocities: Array = parameter(
@@ -136,6 +139,7 @@ class TrajectoryTable:
         unit="rad/s",
         shape=(-1, 3),
         may_be_empty=True,
+        is_neutral=True,
         **ANGLES,
     )
 
