@@ -32,7 +32,17 @@ def part(name: str, scenario: Scenario | None = None) -> Any:
     ParameterError
         If the vehicle has no such part.
     """
-    vehicle = _vehicle(scenario)
+    return part_of(name, _vehicle(scenario))
+
+
+def part_of(name: str, vehicle: Vehicle) -> Any:
+    """Return a part of a vehicle, likewise.
+
+    Raises
+    ------
+    ParameterError
+        If it has no such part.
+    """
     found: Lazy | None = getattr(vehicle, name)
     if found is None:
         raise ParameterError(

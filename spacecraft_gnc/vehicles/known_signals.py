@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
+
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.signals import Signal, graph
 from spacecraft_gnc.signals.graph import CONTROLLER, PLANT
 from spacecraft_gnc.vehicles.registry import VEHICLES, names, vehicle_of
+from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 
 def every_signal() -> tuple[Signal, ...]:
@@ -13,23 +17,43 @@ def every_signal() -> tuple[Signal, ...]:
 
     A signal that several vehicles share comes once.
     """
-    found: dict[Signal, None] = {}
-    for name in names(VEHICLES):
-        try:
-            declared = vehicle_of(name).signals
-            found |= dict.fromkeys(() if declared is None else declared.load())
-        except GncError:
-            continue
+    declared = (_declared(vehicle) for vehicle in _known_vehicles())
+    found = dict.fromkeys(signal for signals in declared for signal in signals)
     return (*found, *graph.SIGNALS)
 
 
 def state_signals() -> list[Signal]:
     """Return the signals that tell the state of a vehicle, one of which every flight has."""
-    return [
-        s
-        for s in every_signal()
-        if s.publishers == (PLANT,) and CONTROLLER in s.subscribers and not s.shared
-    ]
+    return [signal for signal in every_signal() if _is_state(signal)]
+
+
+def vehicles_by_state() -> dict[Signal, Vehicle]:
+    """Return the vehicles that can fly as a graph, by the signal that tells their state."""
+    return {
+        signal: vehicle
+        for vehicle in _known_vehicles()
+        for signal in _declared(vehicle)
+        if _is_state(signal)
+    }
+
+
+def _is_state(signal: Signal) -> bool:
+    told = signal.publishers == (PLANT,) and CONTROLLER in signal.subscribers
+    return told and not signal.shared
+
+
+def _known_vehicles() -> Iterator[Vehicle]:
+    for name in names(VEHICLES):
+        with suppress(GncError):
+            yield vehicle_of(name)
+
+
+def _declared(vehicle: Vehicle) -> tuple[Signal, ...]:
+    try:
+        signals: tuple[Signal, ...] = () if vehicle.signals is None else vehicle.signals.load()
+    except GncError:
+        return ()
+    return signals
 
 
 def signal_of(topic: str, type_name: str) -> Signal:

@@ -174,7 +174,7 @@ class Vehicle:
     """Page of one flight or several (`drawing.vehicle.VehicleReport`)."""
     scene: Lazy | None = None
     live: Lazy | None = None
-    """What the live page draws (`vehicles.live.VehicleLive`)."""
+    """What the live page and the dashboard show (`drawing.live.VehicleLive`)."""
     resolve: Lazy | None = None
 
     def method(self, name: str) -> Method | None:

@@ -13,13 +13,14 @@ from live.watching import ZONE, Wall, recorded, without_scenario
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.live import history
-from spacecraft_gnc.analysis.live.picture import Phase, status_name
+from spacecraft_gnc.analysis.live.picture import Phase
 from spacecraft_gnc.analysis.live.recorded import RecordedFlight
 from spacecraft_gnc.analysis.reader import Flight
 from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.status import Status
+from spacecraft_gnc.vehicles.rigid_body.live import status_name
 
 
 def test_the_step_is_the_last_one_that_began() -> None:
@@ -30,9 +31,9 @@ def test_the_step_is_the_last_one_that_began() -> None:
         picture = flight.picture()
         assert picture.step == step
         assert picture.phase is Phase.PLAYING
-        assert np.array_equal(picture.attitude, flown.attitude[step])
-        assert np.array_equal(picture.torque, flown.torque[step])
-        assert picture.error_deg(np.eye(3)) == pytest.approx(
+        assert np.array_equal(picture.values["attitude"], flown.attitude[step])
+        assert np.array_equal(picture.values["torque"], flown.torque[step])
+        assert picture.values["error_deg"] == pytest.approx(
             math.degrees(lie.angle_between(np.eye(3), flown.attitude[step]))
         )
     wall.now += 1000.0
@@ -58,10 +59,11 @@ def test_the_history_is_the_whole_flight() -> None:
     flight, flown = recorded(Wall()), case1()
     rows = flight.history.since(0)
     assert len(rows) == len(flown.time)
-    column = {name: i for i, name in enumerate(history.COLUMNS)}
+    column = {name: i for i, name in enumerate(history.columns(flight.setup))}
     assert [row[column["time"]] for row in rows] == pytest.approx(flown.time.tolist(), abs=1e-5)
-    assert [row[column["torque_y"]] for row in rows] == pytest.approx(flown.torque[:, 1], rel=1e-6)
-    quaternion = np.array(rows[40][-4:])
+    torques = np.array([row[column["torque"]] for row in rows])
+    assert torques == pytest.approx(flown.torque, rel=1e-6)
+    quaternion = np.array(rows[40][column["orientation"]])
     assert lie.from_quaternion_xyzw(quaternion / np.linalg.norm(quaternion)) == pytest.approx(
         flown.attitude[40], abs=1e-6
     )
@@ -74,7 +76,7 @@ def test_margins_and_limit_come_from_the_scenario() -> None:
     assert about["torque_limit"] == 0.01
     assert about["zones"][0]["half_angle_deg"] == ZONE["star"]["half_angle_deg"]
     angle = math.degrees(math.acos(flown.attitude[0][1, 0]))  # between body x and inertial y
-    assert flight.picture().margins_deg(flight.setup)["star"] == pytest.approx(angle - 20.0)
+    assert flight.picture().values["margins_deg"]["star"] == pytest.approx(angle - 20.0)
 
 
 def test_what_was_not_recorded_is_not_made_up() -> None:
@@ -84,11 +86,12 @@ def test_what_was_not_recorded_is_not_made_up() -> None:
     gap = replace(flown, attitude=attitude, alpha=np.full(len(flown.time), np.nan))
     bare = without_scenario(Flight(gap, RunInfo(path=Path("gap"))))
     flight = RecordedFlight(bare, "gap", clock=Wall())
-    shown = flight.picture().as_json(flight.setup)
+    shown = flight.picture().as_json()
     assert shown["attitude"] is None
     assert shown["error_deg"] is None
     assert shown["decision"] is None
-    assert (flight.setup.torque_limit, flight.setup.zones) == (0.0, ())
+    about = flight.setup.as_json()
+    assert (about["torque_limit"], about["zones"]) == (0.0, [])
 
 
 def test_words_follow_the_constants_of_the_messages() -> None:

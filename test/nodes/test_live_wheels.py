@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pytest
 from live.watching import Wall
 from node_messages import ends
 from rclpy.node import Node
 
+from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.ros import live_source
 from spacecraft_gnc.ros.live_source import LiveSource
 from spacecraft_gnc.signals.message import stamp_of
+from spacecraft_gnc.vehicles.registry import vehicle_of
 from spacecraft_gnc.vehicles.two_wheel.signals import STATE, Accelerations, Motion
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
@@ -41,5 +46,36 @@ def test_a_plant_with_wheels_is_found_and_shown(ros: Any) -> None:
     ros.spin_until(lambda: source.heard)
     picture = source.picture()
     assert (picture.step, picture.time) == (2, 2.0)
-    assert picture.strip.tolist() == SPEEDS.tolist()
-    assert picture.torque is None
+    assert picture.values["wheel_speed"].tolist() == SPEEDS.tolist()
+    assert picture.values["wheel_acceleration"] is None
+    told = picture.readouts(source.setup)
+    assert [line.text for line in told["wheels"]] == ["1 rad/s", "-2 rad/s", "3 rad/s"]
+
+
+class Graph:
+    """A made-up graph of one plant without nodes."""
+
+    def __init__(self, ros: Any, topic: str) -> None:
+        self.node, self.domain_id, self.topic = ros.add(Node("watcher")), ros.nodes_domain(), topic
+
+    def publishers(self, name: str) -> list[str]:
+        return ["plant"] if name == self.topic else []
+
+
+def test_a_vehicle_that_cannot_be_watched_is_told_in_one_line(ros: Any, monkeypatch: Any) -> None:
+    room = vehicle_of("two_wheel")
+    monkeypatch.setattr(live_source, "vehicles_by_state", lambda: {STATE: replace(room, live=None)})
+    source = LiveSource(Graph(ros, "/wheel_state"), clock=Wall())
+    with pytest.raises(ParameterError, match=r"vehicle two_wheel: received .* 'live'"):
+        source.look()
+
+
+def test_another_vehicle_may_fly_next(ros: Any) -> None:
+    graph, wall = Graph(ros, "/wheel_state"), Wall()
+    source = LiveSource(graph, clock=wall)
+    source.look()
+    assert "wheel_speed" in source.setup.history
+    graph.topic = "/attitude_state"
+    wall.now += 1.0
+    source.look()
+    assert "momentum" in source.setup.history

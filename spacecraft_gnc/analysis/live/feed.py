@@ -67,9 +67,14 @@ class Feed:
         """Make the next frame; call it every `PERIOD`."""
         with self._changed:
             flight = self._flight
-            picture = flight.picture().as_json(flight.setup)
+            picture = flight.picture()
             self._number += 1
-            self._frame = {"number": self._number, **picture, "transport": self._transport()}
+            self._frame = {
+                "number": self._number,
+                **picture.as_json(),
+                "readouts": picture.readouts(flight.setup),
+                "transport": self._transport(),
+            }
             self._changed.notify_all()
 
     def control(self, action: str, value: float | None) -> None:
@@ -113,10 +118,10 @@ class Feed:
                 events = []
                 if flight.setup is not setup:
                     setup = flight.setup
-                    events.append(Event("setup", setup.as_json()))
+                    events.append(Event("setup", {**setup.as_json(), **setup.page_json()}))
                 if flight.history.generation != generation:
                     generation, count = flight.history.generation, 0
-                    events.append(Event("history", {"columns": columns(setup)}))
+                    events.append(Event("history", {"columns": columns(flight.setup)}))
                 samples = list(flight.history.since(count))
                 count += len(samples)
                 events.append(Event("frame", {**self._frame, "samples": samples}))

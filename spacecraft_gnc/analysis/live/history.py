@@ -11,50 +11,26 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.live.picture import Picture, Setup, rounded
 
-COLUMNS: Final = (
-    "time",
-    "error_deg",
-    "target_error_deg",
-    "momentum_x",
-    "momentum_y",
-    "momentum_z",
-    "torque_x",
-    "torque_y",
-    "torque_z",
-    "source",
-    "q_x",
-    "q_y",
-    "q_z",
-    "q_w",
-)
-"""Of a sample; the values of `Setup.strip` come before the quaternion."""
 MOST: Final = 3000
 """Samples that are kept."""
-_UNKNOWN: Final = [None] * 3
 _generations = count()
 
 
-def columns(setup: Setup) -> tuple[str, ...]:
-    """Return the names of the columns of a sample."""
-    strip = () if setup.strip is None else setup.strip.names
-    return (*COLUMNS[:-4], *(f"strip_{i}" for i in range(len(strip))), *COLUMNS[-4:])
+def columns(setup: Setup) -> list[str]:
+    """Return the names of a sample's values: time, those of the vehicle, and the attitude."""
+    return ["time", *setup.history, "orientation"]
 
 
 def sample(picture: Picture, setup: Setup) -> list[Any]:
-    """Return the row of a picture, in the order of `columns`; None: not known."""
-    attitude, target = picture.attitude, setup.target
-    strip = [] if setup.strip is None else [None] * len(setup.strip.names)
+    """Return the row of a picture, in the order of `columns`; None: not known.
+
+    The attitude is a quaternion x, y, z, w.
+    """
+    values = picture.values
+    attitude = values.get("attitude")
     quaternion = None if attitude is None else lie.to_quaternion_xyzw(attitude)
-    return [
-        rounded(picture.time),
-        rounded(picture.error_deg(picture.reference)),
-        rounded(picture.error_deg(target if picture.target is None else picture.target)),
-        *(_UNKNOWN if picture.momentum is None else rounded(picture.momentum)),
-        *(_UNKNOWN if picture.torque is None else rounded(picture.torque)),
-        picture.source,
-        *(strip if picture.strip is None else rounded(picture.strip)),
-        *([None] * 4 if quaternion is None else rounded(quaternion)),
-    ]
+    drawn = (picture.time, *(values.get(name) for name in setup.history), quaternion)
+    return [rounded(value) for value in drawn]
 
 
 class History:

@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from enum import Enum
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 
-from spacecraft_gnc import lie
-from spacecraft_gnc.analysis.vehicle import part
-from spacecraft_gnc.drawing.sources import source_name
-from spacecraft_gnc.drawing.zones import Zone, pointing_margin_deg, unit
+from spacecraft_gnc.analysis.vehicle import part_of
+from spacecraft_gnc.drawing.geometry import circle, graticule
+from spacecraft_gnc.drawing.live import Readout, VehicleLive, duration, number
+from spacecraft_gnc.drawing.zones import Zone, unit
+from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
 from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.status import Status
-from spacecraft_gnc.types import Array, Matrix3, Vector3
+from spacecraft_gnc.vehicles.registry import vehicle_of
+from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
+_CIRCLE: Final = 72  # points of a circle on the sphere
 
 
 class Phase(str, Enum):
@@ -34,20 +37,6 @@ class Phase(str, Enum):
     PAUSED = "paused"
 
 
-def status_name(status: int) -> str:
-    """Return a solver status in words; it is a constant of SolverStatus."""
-    return Status(status).text if 0 <= status < len(Status) else "no solve"
-
-
-class Strip(NamedTuple):
-    """Values over time in place of the angular momentum."""
-
-    title: str
-    unit: str
-    names: tuple[str, ...]
-    """Of the values, such as one for each wheel."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Setup:
     """What a flight is, as far as it is known.
@@ -62,29 +51,26 @@ class Setup:
         Control period [s]; NaN: not known.
     n_steps
         Control steps of the whole flight; 0: not known.
-    torque_limit
-        Largest norm of the torque [N m]; 0: none, or not known.
     mode, method, governor
         As the scenario names them; empty: not known.
-    target
-        (3, 3) target attitude of the scenario, body to inertial; None: not known.
-    zones
-        Pointing zones.
-    strip
-        What is drawn over time in place of momentum and torque; None: these are.
+    vehicle
+        Its part that says what is shown; None: nothing flies yet.
+    scenario
+        What flies; None: not known.
+    constants
+        What the vehicle shows all along.
     """
 
     title: str
     live: bool
     period: float = math.nan
     n_steps: int = 0
-    torque_limit: float = 0.0
     mode: str = ""
     method: str = ""
     governor: str = ""
-    target: Matrix3 | None = None
-    zones: tuple[Zone, ...] = ()
-    strip: Strip | None = None
+    vehicle: VehicleLive | None = None
+    scenario: Scenario | None = None
+    constants: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
     def of(cls, scenario: Scenario, title: str, *, live: bool) -> Setup:
@@ -95,8 +81,7 @@ class Setup:
         ParameterError
             If the vehicle cannot be watched.
         """
-        constants = part("live", scenario).constants(scenario)
-        strip = constants.pop("strip", None)
+        room = part_of("live", scenario.vehicle)
         return cls(
             title=title,
             live=live,
@@ -105,22 +90,51 @@ class Setup:
             mode=scenario.plant.mode,
             method=scenario.controller.method,
             governor=scenario.governor.governor,
-            strip=None if strip is None else Strip(*strip),
-            **constants,
+            vehicle=room,
+            scenario=scenario,
+            constants=room.constants(scenario),
         )
+
+    @classmethod
+    def without_scenario(
+        cls, title: str, vehicle: Vehicle | None = None, *, live: bool, **known: Any
+    ) -> Setup:
+        """Return what is known of a vehicle's flight whose scenario is not.
+
+        Raises
+        ------
+        ParameterError
+            If the vehicle cannot be watched.
+        """
+        room = part_of("live", vehicle_of(DEFAULT_VEHICLE) if vehicle is None else vehicle)
+        return cls(title=title, live=live, vehicle=room, constants=room.constants(None), **known)
+
+    @property
+    def governed(self) -> bool:
+        """Whether a governor is known to stand between target and reference."""
+        return self.governor not in ("", "none")
+
+    @property
+    def history(self) -> tuple[str, ...]:
+        """Values that are drawn over time."""
+        return () if self.vehicle is None else tuple(self.vehicle.history)
+
+    def values(self, row: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what is shown of a row of the flight; nothing before a vehicle is known."""
+        return {} if self.vehicle is None else self.vehicle.values(row, self.constants)
 
     def as_json(self) -> dict[str, Any]:
         """Return it as JSON-able values."""
+        told = {k: v for k, v in self.constants.items() if k not in ("target", "zones")}
         return {
             "title": self.title,
             "live": self.live,
             "period": rounded(self.period),
             "n_steps": self.n_steps,
-            "torque_limit": self.torque_limit,
+            **{name: rounded(value) for name, value in told.items()},
             "mode": self.mode,
             "method": self.method,
             "governor": self.governor,
-            "strip": None if self.strip is None else self.strip._asdict(),
             "zones": [
                 {
                     "name": zone.name,
@@ -129,33 +143,28 @@ class Setup:
                     "inertial_axis": rounded(unit(zone.inertial_axis)),
                     "half_angle_deg": zone.half_angle_deg,
                 }
-                for zone in self.zones
+                for zone in self.constants.get("zones", ())
             ],
         }
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Solve:
-    """What the solver told of one step; NaN where it did not."""
-
-    status: str
-    iterations: int
-    residual: float
-    cost: float = math.nan
-    curvature: float = math.nan
-    """Smallest eigenvalue of the reduced Hessian [cost per (N m)^2]."""
-    solve_time: float = math.nan
-    """Wall time [s]."""
+    def page_json(self) -> dict[str, Any]:
+        """Return, likewise, what a page draws: charts, and the circles on the sphere."""
+        panels = () if self.vehicle is None else self.vehicle.panels(self.scenario)
+        return {
+            "panels": [panel.as_json() for panel in panels],
+            "graticule": [_points(line) for line in graticule(_CIRCLE)],
+            "rims": [_rim(zone) for zone in self.constants.get("zones", ())],
+        }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Decision:
-    """What the governor told of one step."""
+def _rim(zone: Zone) -> list[Any]:
+    half_angle = math.radians(zone.half_angle_deg)
+    return _points(circle(unit(zone.inertial_axis), half_angle, _CIRCLE))
 
-    alpha: float
-    margin: float = math.nan
-    admissible: bool = True
-    constraint: str = ""
+
+def _points(line: Any) -> list[Any]:
+    points: list[Any] = np.round(line, 5).tolist()
+    return points
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -165,34 +174,37 @@ class Timing:
     speed: float = math.nan
     """Simulated seconds per wall second."""
     latency: float = math.nan
-    """State to torque [s]."""
+    """State to command [s]."""
     slack: float = math.nan
     """Left before the deadline [s]."""
     missed: int = 0
     held: int = 0
     rejected: int = 0
 
+    def readouts(self) -> Iterator[Readout]:
+        """Yield the lines beside the picture."""
+        yield Readout("times real time", number(self.speed, 3))
+        yield Readout("state to command", duration(self.latency))
+        yield Readout("deadline slack", duration(self.slack), "bad" if self.slack < 0.0 else "")
+        yield Readout("deadlines missed", f"{self.missed}", "bad" if self.missed else "")
+        yield Readout("commands held", f"{self.held}" if self.held else "", "warn")
+        yield Readout("messages rejected", f"{self.rejected}" if self.rejected else "", "bad")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """A flight at one moment. None and NaN: not known.
+    """A flight at one moment.
 
     Attributes
     ----------
     phase, note
         Where the flight is, and a sentence about it.
     step, time
-        Control step, and simulated time [s].
-    attitude, reference, target
-        (3, 3) rotations, body to inertial.
-    momentum, torque
-        (3,) body frame [N m s], [N m].
-    strip
-        Values of `Setup.strip`.
-    external_torque
-        (3,) of the disturbances, body frame [N m].
-    source
-        Where the torque came from, a constant of TorqueCommand; -1: not known.
+        Control step, and simulated time [s]; NaN: not known.
+    values
+        What the vehicle shows of it, by name (`drawing.live.VehicleLive`).
+    timing
+        None: not known.
     rates
         Messages per wall second by topic.
     """
@@ -201,55 +213,29 @@ class Picture:
     note: str = ""
     step: int = -1
     time: float = math.nan
-    attitude: Matrix3 | None = None
-    reference: Matrix3 | None = None
-    target: Matrix3 | None = None
-    momentum: Vector3 | None = None
-    torque: Vector3 | None = None
-    strip: Array | None = None
-    external_torque: Vector3 | None = None
-    source: int = -1
-    solve: Solve | None = None
-    decision: Decision | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
     timing: Timing | None = None
-    rates: dict[str, float] = field(default_factory=dict)
+    rates: Mapping[str, float] = field(default_factory=dict)
 
-    def error_deg(self, aim: Matrix3 | None) -> float:
-        """Return the angle from ``aim`` to the attitude [deg]; NaN if either is not known."""
-        if self.attitude is None or aim is None:
-            return math.nan
-        return math.degrees(lie.angle_between(aim, self.attitude))
+    def readouts(self, setup: Setup) -> dict[str, list[Readout]]:
+        """Return the lines beside the picture that are known, by the name of their group."""
+        groups: dict[str, Any] = {}
+        if setup.vehicle is not None and self.values:
+            groups |= setup.vehicle.readouts(self.values, setup.governed)
+        if self.timing is not None:
+            groups["timing"] = self.timing.readouts()
+        return {name: [line for line in lines if line.text] for name, lines in groups.items()}
 
-    def margins_deg(self, setup: Setup) -> dict[str, float]:
-        """Return the angles left to the pointing zones [deg] by name."""
-        if self.attitude is None:
-            return {}
-        attitude = self.attitude[None]
-        return {zone.name: float(pointing_margin_deg(attitude, zone)[0]) for zone in setup.zones}
-
-    def as_json(self, setup: Setup) -> dict[str, Any]:
+    def as_json(self) -> dict[str, Any]:
         """Return it as JSON-able values."""
-        target = setup.target if self.target is None else self.target
         return {
             "phase": self.phase.value,
             "note": self.note,
             "step": self.step,
             "time": rounded(self.time),
-            "attitude": rounded(self.attitude),
-            "reference": rounded(self.reference),
-            "target": rounded(target),
-            "momentum": rounded(self.momentum),
-            "torque": rounded(self.torque),
-            "strip": rounded(self.strip),
-            "external_torque": rounded(self.external_torque),
-            "source": source_name(self.source, "unknown"),
-            "error_deg": rounded(self.error_deg(self.reference)),
-            "target_error_deg": rounded(self.error_deg(target)),
-            "margins_deg": {k: rounded(v) for k, v in self.margins_deg(setup).items()},
-            "solve": _members(self.solve),
-            "decision": _members(self.decision),
-            "timing": _members(self.timing),
-            "rates": {topic: rounded(rate) for topic, rate in self.rates.items()},
+            **rounded(self.values),
+            "timing": None if self.timing is None else rounded(asdict(self.timing)),
+            "rates": rounded(self.rates),
         }
 
 
@@ -257,10 +243,8 @@ def rounded(value: Any) -> Any:
     """Return numbers with seven digits, arrays as flat lists; what is not finite as None."""
     if value is None or isinstance(value, str | bool | int):
         return value
+    if isinstance(value, Mapping):
+        return {name: rounded(item) for name, item in value.items()}
     if isinstance(value, np.ndarray):
         return [rounded(item) for item in value.ravel().tolist()]
     return float(f"{value:.{_DIGITS}g}") if math.isfinite(value) else None
-
-
-def _members(item: Any) -> dict[str, Any] | None:
-    return None if item is None else {n: rounded(getattr(item, n)) for n in item.__slots__}

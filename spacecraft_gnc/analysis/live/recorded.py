@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-import math
 import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from spacecraft_gnc.analysis.live.history import History, chosen_steps, sample
-from spacecraft_gnc.analysis.live.picture import (
-    Decision,
-    Phase,
-    Picture,
-    Setup,
-    Solve,
-    status_name,
-)
+from spacecraft_gnc.analysis.live.picture import Phase, Picture, Setup
 from spacecraft_gnc.analysis.live.transport import Transport
-from spacecraft_gnc.analysis.vehicle import part
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -61,10 +52,9 @@ class RecordedFlight:
     ) -> None:
         self._flown = flight.trajectory
         scenario = flight.info.scenario
-        self._view = part("live", scenario)
         n_steps = len(self._flown.time)
         self.setup = (
-            Setup(title=title, live=False, period=self._flown.period, n_steps=n_steps)
+            Setup.without_scenario(title, live=False, period=self._flown.period, n_steps=n_steps)
             if scenario is None
             else Setup.of(scenario, title, live=False)
         )
@@ -97,37 +87,20 @@ class RecordedFlight:
         return Phase.PAUSED if self.transport.paused else Phase.PLAYING
 
     def _picture(self, step: int, phase: Phase) -> Picture:
-        t = self._flown
-        note = "the recording is over" if phase is Phase.OVER else ""
-        drawn: dict[str, Any] = {k: _known(v) for k, v in self._view.row(t, step).items()}
         return Picture(
             phase=phase,
-            note=note,
+            note="the recording is over" if phase is Phase.OVER else "",
             step=step,
-            time=float(t.time[step]),
-            attitude=_known(t.attitude[step]),
-            reference=_known(t.reference[step]),
-            target=_known(t.target[step]),
-            **drawn,
-            source=int(t.source[step]),
-            solve=Solve(
-                status=status_name(int(t.status[step])),
-                iterations=int(t.iterations[step]),
-                residual=float(t.residual[step]),
-                cost=float(t.cost[step]) if hasattr(t, "cost") else math.nan,
-                solve_time=float(t.solve_time[step]),
-            ),
-            decision=self._decision(step),
+            time=float(self._flown.time[step]),
+            values=self.setup.values(self._row(step)),
         )
 
-    def _decision(self, step: int) -> Decision | None:
-        if not hasattr(self._flown, "alpha"):
-            return None
-        alpha = float(self._flown.alpha[step])
-        margin = float(self._flown.governor_margin[step])
-        return None if math.isnan(alpha) else Decision(alpha=alpha, margin=margin)
+    def _row(self, step: int) -> dict[str, Any]:
+        """Return what the flight keeps of a step, by column."""
+        kept = [name for name, column in self._flown.columns() if not column.at_end]
+        return {name: _known(getattr(self._flown, name)[step]) for name in kept}
 
 
-def _known(array: np.ndarray) -> np.ndarray | None:
-    """Return an array, or None where the recording lost it."""
-    return array if np.isfinite(array).all() else None
+def _known(value: Any) -> Any:
+    """Return a value of a recording; None for an array that it lost."""
+    return value if np.ndim(value) == 0 or np.isfinite(value).all() else None

@@ -1,23 +1,60 @@
-"""What the live page draws of a rigid body all along a flight."""
+"""What the live page and the dashboard show of a rigid body."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator, Mapping
 from typing import Any, Final
 
+import numpy as np
+
 from spacecraft_gnc import lie
-from spacecraft_gnc.types import State, Vector3
-from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
+from spacecraft_gnc.drawing.live import (
+    Panel,
+    Readout,
+    Series,
+    attitude_readouts,
+    attitude_values,
+    duration,
+    error_panel,
+    magnitude,
+    number,
+    small,
+    source_panel,
+    source_readout,
+)
+from spacecraft_gnc.drawing.sources import source_name
+from spacecraft_gnc.drawing.zones import pointing_margin_deg
+from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+
+_METHOD: Final = source_name(Source.METHOD)
+_NO_SOLVE: Final = "no solve"
+
+
+def status_name(status: int) -> str:
+    """Return a solver status in words; it is a constant of SolverStatus."""
+    return Status(status).text if 0 <= status < len(Status) else _NO_SOLVE
 
 
 class RigidBodyLive:
-    """Implements `vehicles.live.VehicleLive`."""
+    """Implements `drawing.live.VehicleLive`."""
 
-    def constants(self, scenario: Scenario) -> dict[str, Any]:
+    fields: Final = {
+        "curvature": "solver_status/min_curvature",
+        "admissible": "governor_status/admissible",
+        "constraint": "governor_status/active_constraint",
+    }
+    history: Final = ("error_deg", "target_error_deg", "momentum", "torque", "source")
+
+    def constants(self, scenario: Scenario | None) -> dict[str, Any]:
         """Return ``torque_limit`` [N m] (0: none), ``target`` (3, 3) and ``zones``.
 
         ``target`` is None where the reference moves by itself.
         """
+        if scenario is None:
+            return {"torque_limit": 0.0, "target": None, "zones": ()}
         governor, controller = scenario.governor, scenario.controller
         governed = scenario.law.looks_ahead
         return {
@@ -26,14 +63,117 @@ class RigidBodyLive:
             "zones": controller.zones,
         }
 
-    def row(self, flight: RigidBodyFlight, step: int) -> dict[str, Vector3]:
-        """Return momentum, torque and external torque of a recorded step."""
-        names = ("momentum", "torque", "external_torque")
-        return {name: getattr(flight, name)[step] for name in names}
+    def panels(self, scenario: Scenario | None) -> list[Panel]:
+        """Return the charts."""
+        governed = scenario is not None and scenario.governor.governor != "none"
+        return [
+            Panel(
+                kind="bars", name="torque", title="Torque, body frame", unit="N m", norm="|u|",
+                series=[Series("torque", "xyz")], limit=self.constants(scenario)["torque_limit"],
+            ),
+            error_panel(governed),
+            Panel(
+                kind="strip", name="momentum", title="Angular momentum", unit="N m s",
+                series=[Series("momentum", "xyz")],
+            ),
+            source_panel("Torque"),
+        ]  # fmt: skip
 
-    def step(self, state: State, control: Vector3 | None) -> dict[str, Vector3 | None]:
-        """Return momentum and torque of a step that flies."""
-        return {"momentum": state.momentum, "torque": control}
+    def values(self, row: Mapping[str, Any], constants: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what is shown of a step."""
+        turned = attitude_values(row, constants)
+        source = row.get("source")
+        return {
+            **turned,
+            "momentum": row.get("momentum"),
+            "torque": row.get("torque"),
+            "external_torque": row.get("external_torque"),
+            "source": source_name(-1 if source is None else int(source), "unknown"),
+            "margins_deg": _margins_deg(turned["attitude"], constants["zones"]),
+            "solve": _solve(row),
+            "decision": _decision(row),
+        }
+
+    def readouts(self, values: Mapping[str, Any], governed: bool) -> dict[str, list[Readout]]:
+        """Return the lines beside the picture."""
+        solves = values["source"] != _METHOD
+        return {
+            "state": [*attitude_readouts(values, governed), *_state(values)],
+            "solver": list(_solver(values["solve"])) if solves and values["solve"] else [],
+            "governor": list(_governor(values["decision"]))
+            if governed and values["decision"]
+            else [],
+        }
+
+    def line(self, values: Mapping[str, Any]) -> list[str]:
+        """Return a few words about a step."""
+        parts = []
+        if math.isfinite(values["error_deg"]):
+            parts.append(f"{values['error_deg']:.4g} deg off the reference")
+        if values["torque"] is not None:
+            norm = float(np.linalg.norm(values["torque"]))
+            parts.append(f"|u| {norm:.4g} N m ({values['source']})")
+        if values["solve"] is not None:
+            parts.append(f"{values['solve']['status']}, {values['solve']['iterations']} iterations")
+        if values["decision"] is not None:
+            parts.append(f"alpha {values['decision']['alpha']:.3g}")
+        return parts
 
 
 LIVE: Final = RigidBodyLive()
+
+
+def _margins_deg(attitude: Any, zones: Any) -> dict[str, float]:
+    """Return the angles left to the pointing zones [deg] by name."""
+    if attitude is None:
+        return {}
+    return {zone.name: float(pointing_margin_deg(attitude[None], zone)[0]) for zone in zones}
+
+
+def _solve(row: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return what the solver told of a step; NaN where it did not, None without it."""
+    if row.get("status") is None:
+        return None
+    numbers = ("residual", "cost", "curvature", "solve_time")
+    return {
+        "status": status_name(int(row["status"])),
+        "iterations": int(row["iterations"]),
+        **{name: float(row.get(name, math.nan)) for name in numbers},
+    }
+
+
+def _decision(row: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return what the governor told of a step; None where it did not."""
+    alpha = row.get("alpha")
+    if alpha is None or math.isnan(alpha):
+        return None
+    return {
+        "alpha": float(alpha),
+        "margin": float(row["governor_margin"]),
+        "admissible": bool(row.get("admissible", True)),
+        "constraint": row.get("constraint", ""),
+    }
+
+
+def _state(values: Mapping[str, Any]) -> Iterator[Readout]:
+    if values["torque"] is not None:
+        yield source_readout("torque", values["source"])
+    yield Readout("disturbed by", magnitude(values["external_torque"], "N m"))
+    for name, margin in values["margins_deg"].items():
+        yield Readout(f"margin to {name}", number(margin, 4, "°"), "bad" if margin < 0.0 else "")
+
+
+def _solver(solve: Mapping[str, Any]) -> Iterator[Readout]:
+    status = solve["status"]
+    yield Readout("solver", status, "" if status == Status.CONVERGED.text else "warn")
+    yield Readout("iterations", "" if status == _NO_SOLVE else f"{solve['iterations']}")
+    yield Readout("residual", small(solve["residual"]))
+    yield Readout("least curvature", small(solve["curvature"]))
+    yield Readout("solve time", duration(solve["solve_time"]))
+
+
+def _governor(decision: Mapping[str, Any]) -> Iterator[Readout]:
+    yield Readout("governor alpha", number(decision["alpha"], 4))
+    yield Readout("margin", small(decision["margin"]))
+    yield Readout("limited by", decision["constraint"])
+    yield Readout("reference held", "" if decision["admissible"] else "yes", "warn")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from live.watching import Wall
 from wheel_bags import fly, sections
 
 from spacecraft_gnc.analysis.live.history import columns
@@ -22,20 +23,27 @@ def test_every_sample_has_the_speed_of_each_wheel(watched):
     names = columns(flight.setup)
     rows = flight.history.since(0)
     assert {len(row) for row in rows} == {len(names)}
-    speeds = np.array([[row[names.index(f"strip_{i}")] for i in range(4)] for row in rows])
+    speeds = np.array([row[names.index("wheel_speed")] for row in rows])
     assert speeds == pytest.approx(np.array([state.wheel_speed for state in states[:-1]]), rel=1e-6)
-    assert names[-4:] == ("q_x", "q_y", "q_z", "q_w")
+    accelerations = [row[names.index("wheel_acceleration")] for row in rows]
+    assert np.shape(accelerations) == (len(rows), 4)
+    assert names[-1] == "orientation"
 
 
 def test_the_page_is_told_what_the_curves_are(watched):
     flight, states = watched
-    told = flight.setup.as_json()
-    assert told["strip"] == {
-        "title": "Wheel speeds",
-        "unit": "rad/s",
-        "names": ("wheel 1", "wheel 2", "wheel 3", "wheel 4"),
-    }
-    picture = flight.picture().as_json(flight.setup)
-    assert picture["strip"] == pytest.approx(states[0].wheel_speed)
-    assert picture["torque"] is None
+    panels = {panel["name"]: panel for panel in flight.setup.page_json()["panels"]}
+    assert (panels["speed"]["unit"], panels["speed"]["limit"]) == ("rad/s", 40.0)
+    drawn = {series["key"] for panel in panels.values() for series in panel["series"]}
+    assert drawn <= set(flight.setup.history)
+    picture = flight.picture().as_json()
+    assert picture["wheel_speed"] == pytest.approx(states[0].wheel_speed)
     assert picture["target_error_deg"] > 10.0
+
+
+def test_a_wheel_that_does_not_answer_stands_out(tmp_path):
+    flight = RecordedFlight(load_run(fly(tmp_path)[0]), "lost", clock=Wall())
+    flight.transport.control("seek", 2.0)
+    wheels = flight.picture().readouts(flight.setup)["wheels"]
+    assert [line.mood for line in wheels] == ["", "bad", "", ""]
+    assert wheels[1].text.endswith("rad/s, lost")

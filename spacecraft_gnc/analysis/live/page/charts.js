@@ -3,15 +3,8 @@
 const MARGIN = { left: 52, right: 10, top: 6, bottom: 20 };
 const GRID = "#2b3644";
 const TEXT = "#93a1b1";
-
-export const SOURCES = [
-  ["optimal", "#2fc79b"],
-  ["neighboring extremal", "#58aef0"],
-  ["shifted plan", "#f2b134"],
-  ["feedback", "#f58a45"],
-  ["zero", "#f0554a"],
-  ["method", "#3d8bfd"],
-];
+const FONT = "11px system-ui, 'DejaVu Sans', sans-serif";
+export const INK = "#e6ebf1";
 
 // A number with an SI prefix that suits it: [text, factor, prefix].
 export function prefix(largest) {
@@ -27,7 +20,7 @@ function begin(canvas) {
   canvas.height = Math.round(h * ratio);
   const pen = canvas.getContext("2d");
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-  pen.font = "11px system-ui, 'DejaVu Sans', sans-serif";
+  pen.font = FONT;
   pen.lineJoin = "round";
   return [pen, w, h];
 }
@@ -50,33 +43,33 @@ function ticks(low, high, count) {
 
 const amount = (v) => (v !== 0 && Math.abs(v) < 0.01 ? v.toExponential(1) : `${+v.toPrecision(3)}`);
 
-// Torque: a bar for each component and one for the norm, which is what the limit applies to.
-export function drawTorque(canvas, torque, limit, largest, colours) {
+// A bar for each component now, and one for their norm; the limit applies to that or else to each.
+// `rows`: [[name, value, colour]].
+export function drawBars(canvas, rows, { limit, unit }, largest, bad) {
   const [pen, w, h] = begin(canvas);
-  const scale = 1.15 * Math.max(limit || 0, largest || 0) || 1;
-  const [factor, name] = prefix(Math.max(limit || 0, largest || 0));
-  const [left, right] = [30, 92];
+  const scale = 1.15 * Math.max(limit, largest) || 1;
+  const [factor, name] = prefix(Math.max(limit, largest));
+  const widest = Math.max(0, ...rows.map(([text]) => pen.measureText(text).width));
+  const [left, right] = [Math.max(30, widest + 14), 92];
   const half = (w - left - right) / 2;
   const zero = left + half;
-  const row = h / 4;
-  const norm = torque ? Math.hypot(...torque) : null;
-  [["x", torque?.[0]], ["y", torque?.[1]], ["z", torque?.[2]], ["|u|", norm]].forEach(([axis, value], i) => {
+  const row = h / Math.max(rows.length, 1);
+  rows.forEach(([text, value, colour], i) => {
     const y = i * row + row / 2;
     pen.fillStyle = GRID;
     pen.fillRect(left, y - row * 0.3, 2 * half, row * 0.6);
-    label(pen, axis, left - 8, y, "right");
+    label(pen, text, left - 8, y, "right");
     if (value === null || value === undefined) return;
     const length = (half * value) / scale;
-    const full = limit > 0 && Math.abs(value) >= 0.999 * limit;
-    pen.fillStyle = full ? colours.bad : colours[axis] ?? "#c9d3df";
+    pen.fillStyle = limit > 0 && Math.abs(value) >= 0.999 * limit ? bad : colour;
     pen.fillRect(Math.min(zero, zero + length), y - row * 0.3, Math.abs(length), row * 0.6);
-    label(pen, `${amount(value * factor)} ${name}N m`, w - 4, y, "right", "#e6ebf1");
+    label(pen, `${amount(value * factor)} ${name}${unit}`, w - 4, y, "right", INK);
   });
   line(pen, zero, 0, zero, h, TEXT, 1);
   if (limit > 0) {
     for (const sign of [-1, 1]) {
       const x = zero + (sign * half * limit) / scale;
-      line(pen, x, 0, x, h, colours.bad, 1.5, [4, 3]);
+      line(pen, x, 0, x, h, bad, 1.5, [4, 3]);
     }
   }
 }
@@ -94,7 +87,7 @@ function line(pen, x0, y0, x1, y1, colour, width, dash = []) {
 
 // Series over time. `series`: [{values, colour, width}]; `span`: [start, end] [s]; what lies after
 // `now` is faint.
-export function drawStrip(canvas, times, series, span, now, { log = false, factor = 1 } = {}) {
+export function drawStrip(canvas, times, series, span, now, { log = false, factor = 1, limit = 0, bad = "" } = {}) {
   const [pen, w, h] = begin(canvas);
   const map = (v) => (log ? (v > 0 ? Math.log10(v) : null) : v * factor);
   const rows = series.map((s) => s.values.map((v) => (v === null ? null : map(v))));
@@ -114,6 +107,9 @@ export function drawStrip(canvas, times, series, span, now, { log = false, facto
     const text = `${+t.toPrecision(6)}${t === 0 ? " s" : ""}`;
     label(pen, text, Math.min(x(t), w - pen.measureText(text).width / 2), h - 8, "center");
   }
+  for (const bound of limit > 0 ? [-limit * factor, limit * factor] : []) {
+    if (bound > low && bound < high) line(pen, x0, y(bound), x1, y(bound), bad, 1.5, [4, 3]);
+  }
   const edge = Math.min(Math.max(x(now), x0), x1);
   for (const [from, to, alpha] of [[x0, edge, 1], [edge, x1, 0.35]]) {
     within(pen, from, y1 - 2, to - from, y0 - y1 + 4, () => {
@@ -121,7 +117,7 @@ export function drawStrip(canvas, times, series, span, now, { log = false, facto
       rows.forEach((row, i) => curve(pen, times, row, x, y, series[i]));
     });
   }
-  line(pen, edge, y1, edge, y0, "#e6ebf1", 1);
+  line(pen, edge, y1, edge, y0, INK, 1);
   return { x0, x1 };
 }
 
@@ -171,8 +167,8 @@ function decade(v) {
   return power >= -3 && power <= 3 ? `${+(10 ** power).toPrecision(1)}` : `1e${power}`;
 }
 
-// Where each torque came from.
-export function drawSources(canvas, times, sources, span, now) {
+// A word over time, by its colour.
+export function drawBand(canvas, times, words, wordColours, span, now) {
   const [pen, w, h] = begin(canvas);
   const [x0, x1] = [MARGIN.left, w - MARGIN.right];
   const x = (t) => x0 + ((x1 - x0) * (t - span[0])) / (span[1] - span[0]);
@@ -182,20 +178,20 @@ export function drawSources(canvas, times, sources, span, now) {
   for (const [from, to, alpha] of [[x0, edge, 1], [edge, x1, 0.35]]) {
     within(pen, from, 0, to - from, h, () => {
       pen.globalAlpha = alpha;
-      bands(pen, times, sources, x, h);
+      bands(pen, times, words, wordColours, x, h);
     });
   }
-  line(pen, edge, 0, edge, h, "#e6ebf1", 1);
+  line(pen, edge, 0, edge, h, INK, 1);
 }
 
-function bands(pen, times, sources, x, h) {
+function bands(pen, times, words, wordColours, x, h) {
   for (let k = 0; k < times.length;) {
     let end = k + 1;
-    while (end < times.length && sources[end] === sources[k]) end += 1;
-    const known = SOURCES[sources[k]];
+    while (end < times.length && words[end] === words[k]) end += 1;
+    const known = wordColours[words[k]];
     if (known) {
       const until = end < times.length ? times[end] : times[end - 1];
-      pen.fillStyle = known[1];
+      pen.fillStyle = known;
       pen.fillRect(x(times[k]), 0, Math.max(x(until) - x(times[k]), 1), h);
     }
     k = end;

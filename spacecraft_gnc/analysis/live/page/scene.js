@@ -3,7 +3,6 @@
 
 const AXES = ["x", "y", "z"];
 const FAR = 0.22; // opacity of the far side
-const RIM = 72; // points of a circle
 const RADIUS = 0.41; // of the sphere, in widths of the canvas
 const TURN = 0.008; // [rad] for each pixel of a drag
 const HALF = [0.17, 0.12, 0.12]; // half sides of the body
@@ -14,7 +13,6 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [
   a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
 ];
-const unit = (a) => { const n = Math.hypot(...a); return a.map((v) => v / n); };
 
 // Column i of a row-major rotation: body axis i in the inertial frame.
 export const bodyAxis = (r, i) => [r[i], r[3 + i], r[6 + i]];
@@ -25,18 +23,6 @@ function quaternionAxis([x, y, z, w], i) {
   if (i === 0) return [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)];
   if (i === 1) return [2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)];
   return [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)];
-}
-
-function circle(axis, angle) {
-  const helper = [0, 0, 0];
-  helper[axis.map(Math.abs).indexOf(Math.min(...axis.map(Math.abs)))] = 1;
-  const a = unit(cross(axis, helper));
-  const b = cross(axis, a);
-  return Array.from({ length: RIM + 1 }, (_, k) => {
-    const t = (2 * Math.PI * k) / RIM;
-    const [c, s] = [Math.cos(t) * Math.sin(angle), Math.sin(t) * Math.sin(angle)];
-    return axis.map((v, i) => Math.cos(angle) * v + c * a[i] + s * b[i]);
-  });
 }
 
 export class Scene {
@@ -64,8 +50,8 @@ export class Scene {
 
   draw(frame, setup, trail) {
     this.#begin();
-    this.#sphere();
-    for (const zone of setup?.zones ?? []) this.#cap(zone);
+    this.#sphere(setup?.graticule ?? []);
+    setup?.zones.forEach((zone, i) => this.#cap(zone, setup.rims[i]));
     this.#trails(trail);
     if (frame?.target) this.#marks(frame.target, 7, [3, 3]);
     if (frame?.reference) this.#marks(frame.reference, 3.5, []);
@@ -95,19 +81,13 @@ export class Scene {
     return [this.centre[0] + this.radius * x, this.centre[1] - this.radius * y, dot(v, this.toward)];
   }
 
-  #sphere() {
+  #sphere(graticule) {
     const { pen } = this;
     pen.beginPath();
     pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
     pen.fillStyle = "#141b25";
     pen.fill();
-    for (const tilt of [-60, -30, 0, 30, 60]) {
-      this.#curve(circle([0, 0, 1], ((90 - tilt) * Math.PI) / 180), "#3a4858", 0.7);
-    }
-    for (const turn of [0, 30, 60, 90, 120, 150]) {
-      const a = (turn * Math.PI) / 180;
-      this.#curve(circle([-Math.sin(a), Math.cos(a), 0], Math.PI / 2), "#3a4858", 0.7);
-    }
+    for (const line of graticule) this.#curve(line, "#3a4858", 0.7);
     pen.beginPath();
     pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
     pen.strokeStyle = "#6d7d8f";
@@ -143,12 +123,13 @@ export class Scene {
     pen.setLineDash([]);
   }
 
-  #cap(zone) {
+  // A zone, and the circle (points) where its cone cuts the sphere.
+  #cap(zone, border) {
     const colour = zone.kind === "exclusion" ? this.colours.bad : this.colours.good;
     const angle = (zone.half_angle_deg * Math.PI) / 180;
-    const rim = circle(zone.inertial_axis, angle).map((p) => this.#project(p));
+    const rim = border.map((p) => this.#project(p));
     for (const side of [-1, 1]) this.#fillCap(rim, angle > Math.PI / 2, side, colour, zone);
-    this.#curve(circle(zone.inertial_axis, angle), colour, 1.5);
+    this.#curve(border, colour, 1.5);
     const at = this.#project(zone.inertial_axis);
     this.pen.globalAlpha = at[2] >= 0 ? 1 : FAR;
     this.#text(zone.name, [at[0], at[1] - this.radius * Math.sin(angle) - 9], colour);

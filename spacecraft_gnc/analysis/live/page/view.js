@@ -1,8 +1,8 @@
 // Receives the flight as server-sent events, and draws it. `window.view.state` is for tests.
 
-import { SOURCES, drawSources, drawStrip, drawTorque, prefix } from "./charts.js";
+import { Panels } from "./panels.js";
 import { Scene } from "./scene.js";
-import { showHeader, showKeys, showNumbers, showSetup } from "./status.js";
+import { showHeader, showNumbers, showSetup } from "./status.js";
 
 const SILENCE = 3000; // [ms] without an event after which the connection counts as lost
 const by = (id) => document.getElementById(id);
@@ -14,6 +14,7 @@ const state = {
   events: 0, drawn: 0, numbers: [], setup: null, frame: null, columns: [], rows: [], axes: {}, span: [],
 };
 const scene = new Scene(by("scene"), colours, schedule);
+const panels = new Panels(by("panels"), colours);
 let pending = false;
 let lastEvent = Date.now();
 let seeking = false;
@@ -27,11 +28,9 @@ function schedule() {
   });
 }
 
-const palette = [colours.x, colours.y, colours.z, colours.warn];
-
 function column(name) {
   const i = state.columns.indexOf(name);
-  return state.rows.map((row) => row[i] ?? null);
+  return state.rows.map((row) => row[i]);
 }
 
 function draw() {
@@ -39,32 +38,12 @@ function draw() {
   if (!frame) return;
   const times = column("time");
   const now = frame.time ?? 0;
-  const trail = state.rows.filter((row) => row[0] <= now).map((row) => row.slice(-4)).filter((q) => q[3] !== null);
+  const trail = state.rows.filter((row) => row[0] <= now).map((row) => row.at(-1)).filter((q) => q !== null);
   scene.draw(frame, setup, trail);
-  drawCharts(times, now);
-  state.axes = { ...scene.tips };
   state.span = timeSpan(times, now);
+  panels.draw(frame, column, state.span, now);
+  state.axes = { ...scene.tips };
   state.drawn += 1;
-}
-
-function drawCharts(times, now) {
-  const { frame, setup } = state;
-  const span = timeSpan(times, now);
-  const torques = ["x", "y", "z"].map((axis) => column(`torque_${axis}`));
-  const largest = times.reduce((most, _, k) => Math.max(most, Math.hypot(...torques.map((t) => t[k] ?? 0))), 0);
-  drawTorque(by("torque"), frame.torque, setup?.torque_limit, largest, colours);
-  const governed = setup?.governor && setup.governor !== "none";
-  const errors = [{ values: column("error_deg"), colour: "#e6ebf1" }];
-  if (governed) errors.push({ values: column("target_error_deg"), colour: colours.warn });
-  drawStrip(by("error"), times, errors, span, now, { log: true });
-  const strip = setup?.strip;
-  const names = strip ? strip.names.map((_, i) => `strip_${i}`) : ["x", "y", "z"].map((axis) => `momentum_${axis}`);
-  const momenta = names.map((name, i) => ({ values: column(name), colour: palette[i % palette.length] }));
-  const largestValue = Math.max(0, ...momenta.flatMap((m) => m.values).map((v) => Math.abs(v ?? 0)));
-  const [factor, name] = strip ? [1, ""] : prefix(largestValue);
-  drawStrip(by("momentum"), times, momenta, span, now, { factor });
-  by("momentum-unit").textContent = strip ? strip.unit : `${name}N m s`;
-  drawSources(by("source"), times, column("source"), span, now);
 }
 
 // What has been flown, and some room ahead: a long flight would else be a blank chart for most of
@@ -87,16 +66,7 @@ function roundUp(duration) {
 function onSetup(setup) {
   state.setup = setup;
   showSetup(setup);
-  const governed = setup.governor && setup.governor !== "none";
-  showKeys("error-keys", governed ? [["to reference", "#e6ebf1"], ["to target", colours.warn]] : [["to reference", "#e6ebf1"]]);
-  const strip = setup.strip;
-  const keys = strip ? strip.names : ["x", "y", "z"];
-  showKeys("axis-keys", keys.map((key, i) => [key, palette[i % palette.length]]));
-  by("momentum-title").textContent = strip ? strip.title : "Angular momentum";
-  by("torque").closest("section").style.display = strip ? "none" : "";
-  showKeys("source-keys", SOURCES);
-  const [factor, name] = prefix(setup.torque_limit);
-  by("torque-limit").textContent = setup.torque_limit ? `limit of |u| ${+(setup.torque_limit * factor).toPrecision(4)} ${name}N m` : "no limit known";
+  panels.build(setup.panels);
   by("legend").replaceChildren(...["dashed ring: target", "small ring: reference", ...(setup.zones.length ? ["dotted line: instrument of a zone"] : [])].map((text) => {
     const item = document.createElement("li");
     item.textContent = text;
@@ -110,7 +80,7 @@ function onFrame({ samples, ...frame }) {
   state.events += 1;
   state.numbers = [...state.numbers.slice(-999), frame.number];
   showHeader(frame, state.setup);
-  showNumbers(frame, state.setup);
+  showNumbers(frame.readouts);
   showPlayer(frame);
   schedule();
 }
