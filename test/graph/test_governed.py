@@ -177,3 +177,16 @@ def test_a_governor_restarted_in_flight_is_told_by_the_audit(graph: Any, at: Any
     taken, anew = decisions.note.split("; the governor started anew at step ")
     assert taken == "targets taken in flight: 1"  # the scenario's, told again
     assert 60 <= int(anew) < 1201
+
+
+def test_a_governor_restarted_in_flight_goes_on_with_its_moving_reference(
+    graph: Any, at: Any
+) -> None:
+    """The reference follows from the step alone: no target is announced, and nothing jumps."""
+    patient = "plant.command_timeout=120.0"  # a busy machine may take long to start a process
+    changes = (patient, "launcher.on_node_death=restart")
+    scenario = CASE1.with_name("turning_reference.yaml")
+    out = graph.fly(*changes, scenario=scenario, display=at(60, kill(GOVERNOR)))
+    assert graph.outcome.restarts == (GOVERNOR,)
+    assert audited(out).note == ""
+    assert_equals_simulation(out / "bag", *changes, scenario=scenario)
