@@ -20,6 +20,7 @@ from spacecraft_gnc.arguments import as_limit, require_positive
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors._rotation_spline import RotationSpline
 from spacecraft_gnc.types import (
+    Array,
     ArrayLike,
     GovernorDecision,
     Matrix3,
@@ -36,6 +37,11 @@ from spacecraft_gnc.types import (
 def feedforward_torque(inertia: Matrix3, rate: Vector3, acceleration: Vector3) -> Vector3:
     """Return J d(omega)/dt + omega x J omega (3,) [N m], body frame."""
     return np.asarray(inertia @ acceleration + np.cross(rate, inertia @ rate))
+
+
+def attitudes_of(rotation_vectors: Array) -> Array:
+    """Return the attitudes (n, 3, 3) of the rows of a table (n, 3) [rad]."""
+    return np.array([lie.exp(vector) for vector in rotation_vectors]).reshape(-1, 3, 3)
 
 
 class TurningReference:

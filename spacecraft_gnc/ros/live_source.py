@@ -53,6 +53,10 @@ class LiveSource:
     """
 
     transport: Transport | None = None
+    _step: int
+    _sampled: int
+    _arrived: float
+    _interval: float
 
     def __init__(
         self, view: GraphView, namespace: str = "", clock: Callable[[], float] = time.monotonic
@@ -180,10 +184,8 @@ class LiveSource:
 
     def _clear(self) -> None:
         self.history.clear()
-        self._step: int = -1
-        self._sampled: int = -1
-        self._arrived: float = 0.0
-        self._interval: float = 0.0
+        self._step = self._sampled = -1
+        self._arrived = self._interval = 0.0
 
     def _read_setup(self) -> None:
         found = self._reader.poll(self._clock())

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.governors.moving import StoredTrajectory
+from spacecraft_gnc.governors.moving import StoredTrajectory, attitudes_of
 from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.problems import problem_of, shown
 from spacecraft_gnc.vehicles.rigid_body.chosen import method_reads, own_law
@@ -15,7 +15,6 @@ from spacecraft_gnc.vehicles.rigid_body.controllers import terminal_set
 from spacecraft_gnc.vehicles.rigid_body.controllers.neighboring_extremal import (
     NeighboringParameters,
 )
-from spacecraft_gnc.vehicles.rigid_body.governors.build import rows_of
 from spacecraft_gnc.vehicles.rigid_body.governors.laws import NONE, STORED, TURNING
 
 _CONTROLLER: Final = "nmpc_controller"
@@ -67,7 +66,7 @@ def _check_table(checked: Checked) -> None:
         return
     times, vectors, rates = (np.array(value) for value in values)
     try:
-        rows = rows_of(vectors.reshape(-1, 3))
+        rows = attitudes_of(vectors.reshape(-1, 3))
         StoredTrajectory(times, rows, rates.reshape(-1, 3), np.eye(3), 1.0)
     except GncError as error:
         problem = problem_of(error, checked.source, _GOVERNOR, names)

@@ -12,11 +12,11 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.governors.attitude import AttitudeGovernor
-from spacecraft_gnc.governors.moving import StoredTrajectory, TurningReference
+from spacecraft_gnc.governors.moving import StoredTrajectory, TurningReference, attitudes_of
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
 from spacecraft_gnc.governors.prediction import Planner
 from spacecraft_gnc.governors.reference_set import ReferenceSet
-from spacecraft_gnc.types import Array, State
+from spacecraft_gnc.types import State
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 
 
@@ -81,17 +81,12 @@ def stored_trajectory(scenario: Scenario) -> StoredTrajectory:
     table, c = scenario.governor.trajectory, scenario.controller
     return StoredTrajectory(
         table.times,
-        rows_of(table.rotation_vectors),
+        attitudes_of(table.rotation_vectors),
         table.angular_velocities,
         known_inertia(scenario, "nmpc_controller", c.inertia),
         scenario.period,
         plant_step=scenario.plant.time_step,
     )
-
-
-def rows_of(rotation_vectors: Array) -> Array:
-    """Return the attitudes (n, 3, 3) of the rows of a table (n, 3) [rad]."""
-    return np.array([lie.exp(vector) for vector in rotation_vectors]).reshape(-1, 3, 3)
 
 
 def reference_set_of(scenario: Scenario) -> ReferenceSet:
