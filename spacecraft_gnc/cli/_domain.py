@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import sys
+from collections.abc import Sequence
 from typing import Annotated, ClassVar
 
 import typer
@@ -19,6 +21,11 @@ DomainOption = Annotated[
         max=232,
         help="ROS_DOMAIN_ID of the graph [the variable, else that of the one `gnc launch`].",
     ),
+]
+
+
+AgentOption = Annotated[
+    str, typer.Option("--namespace", metavar="NAME", help="Of the spacecraft, out of several.")
 ]
 
 
@@ -48,6 +55,18 @@ def choose_domain(given: int | None) -> int:
             "one you mean; add --domain-id N"
         )
     return graphs[0].domain_id if graphs else 0
+
+
+def agents_on(domain_id: int) -> list[str]:
+    """Return the agents of a launched graph; none where it has one vehicle, or no launcher."""
+    return str(domain.about(domain_id).get("agents", "")).split()
+
+
+def tell_choice(what: str, agents: Sequence[str]) -> None:
+    """Tell which of several spacecraft is shown where none was named: the first."""
+    listed = ", ".join(f"/{agent}" for agent in agents)
+    text = f"holds several spacecraft ({listed}); shows the first; name another with --namespace"
+    print(f"note: {what}: {text}", file=sys.stderr)
 
 
 def find_domain(given: int | None) -> int | None:

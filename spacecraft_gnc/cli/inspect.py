@@ -13,7 +13,13 @@ from spacecraft_gnc.cli._common import (
     print_json,
     print_table,
 )
-from spacecraft_gnc.cli._domain import DomainOption, choose_domain
+from spacecraft_gnc.cli._domain import (
+    AgentOption,
+    DomainOption,
+    agents_on,
+    choose_domain,
+    tell_choice,
+)
 from spacecraft_gnc.cli._help import App
 from spacecraft_gnc.cli._inspect_messages import JsonLinesOption, delay, echo, hz
 from spacecraft_gnc.cli._inspect_params import NodeArgument, params
@@ -112,10 +118,7 @@ def watch(
     timeout: Annotated[
         float, typer.Option(min=0.0, metavar="S", help="Patience for a state [s].")
     ] = 10.0,
-    namespace: Annotated[
-        str,
-        typer.Option(metavar="NAME", help="Of the spacecraft, where there are several."),
-    ] = "",
+    namespace: AgentOption = "",
     domain_id: DomainOption = None,
     as_json: JsonLinesOption = False,
 ) -> None:
@@ -123,7 +126,12 @@ def watch(
     from spacecraft_gnc.cli._dashboard import watch as show
 
     style = "json" if as_json else "live" if sys.stdout.isatty() and not once else "plain"
-    show(choose_domain(domain_id), namespace, style=style, once=once, patience=timeout)
+    chosen = choose_domain(domain_id)
+    agents = [] if namespace else agents_on(chosen)
+    if agents:
+        tell_choice(f"ROS_DOMAIN_ID={chosen}", agents)
+        namespace = agents[0]
+    show(chosen, namespace, style=style, once=once, patience=timeout)
 
 
 inspect.command()(echo)

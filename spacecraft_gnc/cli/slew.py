@@ -10,7 +10,7 @@ import typer
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, RunFailed, print_json
-from spacecraft_gnc.cli._domain import DomainOption, choose_domain
+from spacecraft_gnc.cli._domain import AgentOption, DomainOption, agents_on, choose_domain
 from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.types import Array, unit_vector
 
@@ -40,6 +40,7 @@ def slew(
     angle_deg: AngleOption = None,
     quaternion: QuaternionOption = None,
     tolerance_deg: ToleranceOption = 0.0,
+    namespace: AgentOption = "",
     domain_id: DomainOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -54,8 +55,10 @@ def slew(
             text = f"  step {step}: {math.degrees(error):.4g} deg to go, alpha {alpha:.3g}"
             print(text, flush=True)
 
-    with GraphView(choose_domain(domain_id)) as view:
-        result = fly(view, target, math.radians(tolerance_deg), show)
+    chosen = choose_domain(domain_id)
+    _require_one(namespace, chosen)
+    with GraphView(chosen) as view:
+        result = fly(view, target, math.radians(tolerance_deg), show, namespace)
     error_deg = math.degrees(result.final_error)
     if as_json:
         values = {"reached": result.reached, "final_error_deg": error_deg, "step": result.step}
@@ -66,6 +69,17 @@ def slew(
         raise TargetRefused(result.message)
     if not result.reached:
         raise RunFailed(f"slew: not reached ({result.message})")
+
+
+def _require_one(namespace: str, domain_id: int) -> None:
+    """Refuse to command a spacecraft that was not named, where there are several."""
+    agents = agents_on(domain_id)
+    if not namespace and len(agents) > 1:
+        listed = ", ".join(f"/{agent}" for agent in agents)
+        raise ParameterError(
+            f"--namespace: received nothing while several spacecraft fly ({listed}); required the "
+            f"one to slew; add --namespace {agents[0]}"
+        )
 
 
 def _target(

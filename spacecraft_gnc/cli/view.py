@@ -6,14 +6,19 @@ import signal
 import sys
 import time
 import webbrowser
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, UnfinishedOption, print_json
-from spacecraft_gnc.cli._domain import DomainOption, choose_domain, find_domain
+from spacecraft_gnc.cli._domain import (
+    AgentOption,
+    DomainOption,
+    choose_domain,
+    find_domain,
+    tell_choice,
+)
 from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError
 
@@ -68,9 +73,7 @@ def view(
     foxglove: FoxgloveOption = False,
     rate: RateOption = 1.0,
     unfinished: UnfinishedOption = False,
-    namespace: Annotated[
-        str, typer.Option(metavar="NAME", help="Of the spacecraft, out of several.")
-    ] = "",
+    namespace: AgentOption = "",
     domain_id: DomainOption = None,
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Do not open the browser.")
@@ -137,7 +140,7 @@ def _live(domain_id: int | None, namespace: str) -> LiveFlight:
     from spacecraft_gnc.ros.live_flight import LiveFlight
 
     choose_domain(domain_id)  # refuses where several graphs run
-    return LiveFlight(lambda: find_domain(domain_id), namespace, _tell_choice)
+    return LiveFlight(lambda: find_domain(domain_id), namespace, tell_choice)
 
 
 def _recorded(
@@ -155,7 +158,7 @@ def _recorded(
 
     found = agents(path, namespace, allow_unfinished=unfinished)
     if len(found) > 1:
-        _tell_choice(str(path), [str(name) for name in found])
+        tell_choice(str(path), [str(name) for name in found])
     name, *_ = found
     with show_progress("reading", silent=quiet) as progress:
 
@@ -169,13 +172,6 @@ def _recorded(
         print(f"warning: {warning}", file=sys.stderr)
     title = run_name(path) if name is None else f"{run_name(path)} /{name.strip('/')}"
     return RecordedFlight(flight, title, rate)
-
-
-def _tell_choice(what: str, agents: Sequence[str]) -> None:
-    """Tell which of several spacecraft is shown where none was named: the first."""
-    listed = ", ".join(f"/{agent}" for agent in agents)
-    text = f"holds several spacecraft ({listed}); shows the first; name another with --namespace"
-    print(f"note: {what}: {text}", file=sys.stderr)
 
 
 def _announce(about: dict[str, Any], text: str, as_json: bool, quiet: bool) -> None:

@@ -20,9 +20,8 @@ from spacecraft_gnc.signals.members import Place
 _RETRY: Final = 1.0  # [s] wall: an answer may be lost, and parameters are declared on configure
 _PROOF: Final = {PLANT: "duration", CONTROLLER: "method", GOVERNOR: "governor"}
 """A parameter of each node that is there once the node is configured."""
-
-
 _SHARED_PLANT: Final = f"/{PLANT}"
+"""The plant of all agents."""
 
 
 class SetupReader:

@@ -9,6 +9,7 @@ from geometry_msgs.msg import Quaternion
 from rclpy.action import ActionClient
 from spacecraft_gnc_msgs.action import SlewTo
 
+from spacecraft_gnc.ros.endpoints import full_topic_name
 from spacecraft_gnc.ros.graph import GraphError, GraphView
 from spacecraft_gnc.signals.attitude import SLEW_ACTION
 from spacecraft_gnc.types import Array
@@ -36,6 +37,7 @@ def slew(
     quaternion: Array,
     tolerance: float,
     on_feedback: Callable[[int, float, float], None],
+    namespace: str = "",
 ) -> SlewResult:
     """Command a slew and wait for its end; Ctrl-C cancels it.
 
@@ -49,17 +51,23 @@ def slew(
         Error at which it has arrived [rad]; 0: the server's default.
     on_feedback
         Called with step, error [rad] and alpha.
+    namespace
+        Of the spacecraft; empty: the root.
 
     Raises
     ------
     GraphError
         No governor answers.
+    TopicNameRefused
+        If ``namespace`` cannot be one.
     """
-    client = ActionClient(view.node, SlewTo, SLEW_ACTION)
+    space = namespace.strip("/")
+    action = full_topic_name(view.node, f"/{space}/{SLEW_ACTION}") if space else SLEW_ACTION
+    client = ActionClient(view.node, SlewTo, action)
     if not view.spin_until(client.server_is_ready, _PATIENCE):
         view.raise_interrupt()
         raise GraphError(
-            f"{SLEW_ACTION}: no action server on ROS_DOMAIN_ID={view.domain_id}; required a live "
+            f"{action}: no action server on ROS_DOMAIN_ID={view.domain_id}; required a live "
             "graph with a reference_governor; start one with `gnc launch`, or give --domain-id"
         )
 
@@ -71,14 +79,14 @@ def slew(
     goal = SlewTo.Goal(target=Quaternion(x=x, y=y, z=z, w=w), tolerance=tolerance)
     sending = client.send_goal_async(goal, feedback_callback=show)
     if not view.spin_until(sending.done, _PATIENCE) or not sending.result().accepted:
-        raise GraphError(f"{SLEW_ACTION}: the governor takes no goal now; is it active? Try again")
+        raise GraphError(f"{action}: the governor takes no goal now; is it active? Try again")
     handle = sending.result()
     result = handle.get_result_async()
     if not view.spin_until(result.done):
         view.forgive_interrupt()
         handle.cancel_goal_async()
         if not view.spin_until(result.done, _PATIENCE):
-            raise GraphError(f"{SLEW_ACTION}: cancelled, but the governor did not confirm it")
+            raise GraphError(f"{action}: cancelled, but the governor did not confirm it")
     r = result.result().result
     refused = r.message.startswith(REFUSED)
     message = r.message.removeprefix(REFUSED)

@@ -106,3 +106,61 @@ def test_a_page_shows_one_of_them(graph: Any, words: tuple[str, ...], shown: str
     assert watcher.setup["n_steps"] == 200
     assert watcher.setup["method"] == load_fleet(TWO).agents[shown].controller.method
     assert watcher.last["step"] == 200
+
+
+def test_one_of_them_is_slewed_and_watched(graph: Any, at: Any) -> None:
+    chosen = free_domain()
+    told: dict[str, Any] = {}
+    turn = ("slew", "--domain-id", chosen, "--axis", "0", "0", "1", "--angle-deg", "15")
+
+    def ask(_: Any) -> None:
+        for name, words in {
+            "unnamed": turn,
+            "named": (*turn, "--namespace", "sc2", "--json"),
+            "watched": ("inspect", "watch", "--once", "--domain-id", chosen),
+        }.items():
+            with gnc(*words) as command:
+                told[name] = (*command.communicate(timeout=PATIENCE), command.returncode)
+
+    graph.fly(
+        "plant.mode=free_run",
+        "plant.real_time_factor=10.0",
+        "plant.duration=400.0",
+        f"launcher.domain_id={chosen}",
+        scenario=TWO,
+        record=False,
+        display=at(5, ask),
+    )
+    assert told["unnamed"][2] == 2
+    assert "several spacecraft fly (/sc1, /sc2); required the one to slew" in told["unnamed"][1]
+    assert json.loads(told["named"][0])["reached"]
+    assert "several spacecraft (/sc1, /sc2); shows the first" in told["watched"][1]
+    assert told["watched"][2] == 0
+
+
+def test_agents_of_different_vehicles(graph: Any, tmp_path: Path) -> None:
+    """A rigid body beside a spacecraft with wheels, in one graph and in one bag."""
+    wheels = (CASE1.parent / "three_wheel_slew.yaml").read_text(encoding="utf-8")
+    for role in ("plant", "nmpc_controller", "reference_governor"):
+        wheels = wheels.replace(f"\n{role}:", f"\n/wheels/{role}:")
+    body = """
+/body/plant:
+  ros__parameters:
+    inertia: [430.0, 0.0, 0.0, 0.0, 1210.0, 0.0, 0.0, 0.0, 1300.0]
+    time_step: 10.0
+    duration: 1000.0
+    initial_rotation_vector: [0.3, 0.2, -0.4]
+/body/nmpc_controller: {ros__parameters: {method: shooting, max_torque: 0.5}}
+"""
+    path = tmp_path / "mixed.yaml"
+    path.write_text(wheels + body, encoding="utf-8")
+    out = graph.fly("launcher.composed=true", scenario=path, out=tmp_path / "run")
+    agents = load_fleet(path).agents
+    assert {name: one.vehicle.name for name, one in agents.items()} == {
+        "wheels": "two_wheel", "body": "rigid_body"
+    }  # fmt: skip
+    for name, one in agents.items():
+        audit = audit_bag(out, namespace=name)
+        assert audit.passed, audit.first
+        flown = read_flight(out / "bag", namespace=name).trajectory
+        np.testing.assert_array_equal(flown.attitude, one.build().run().attitude)
