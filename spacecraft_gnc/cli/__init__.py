@@ -1,1 +1,1 @@
-"""The command line ``gnc``: one file a command."""
+"""Command line ``gnc``: one file per command."""

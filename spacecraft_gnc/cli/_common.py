@@ -1,4 +1,4 @@
-"""What the commands share: options, JSON, tables."""
+"""Options, JSON output and tables shared by the commands."""
 
 from __future__ import annotations
 

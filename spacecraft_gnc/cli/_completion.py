@@ -1,4 +1,4 @@
-"""Shell completion, which typer installs: what it cannot do is told as every refusal is."""
+"""Shell completion, installed by typer, with errors reported like any other refusal."""
 
 from __future__ import annotations
 

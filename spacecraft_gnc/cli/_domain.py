@@ -1,4 +1,4 @@
-"""Which graph a command joins."""
+"""Selection of the ROS graph that a command joins."""
 
 from __future__ import annotations
 

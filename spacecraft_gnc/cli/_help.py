@@ -1,4 +1,4 @@
-"""Help texts and usage lines: arguments by the names they are told by, summaries in full."""
+"""Help texts and usage lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``gnc inspect echo``, ``hz`` and ``delay``: what arrives on a topic, and when."""
+"""``gnc inspect echo``, ``hz`` and ``delay``: messages on a topic, their rate and age."""
 
 from __future__ import annotations
 

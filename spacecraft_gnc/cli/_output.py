@@ -1,4 +1,4 @@
-"""Standard streams of ``gnc``: every text can be written, and a write that fails is told."""
+"""Standard streams of ``gnc``: any text can be written, and failed writes are reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a command has come: a bar on a terminal, a line now and then in a log."""
+"""Progress of a command: a bar on a terminal, occasional lines in a log."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``gnc replay`` without a graph: every recorded step solved again, and the table beside it."""
+"""``gnc replay`` without a graph: re-solve every recorded step and print the comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``gnc check``: can this scenario fly, and if not, why; without ROS.
+"""``gnc check``: validate a scenario without ROS.
 
 Kernels are loaded only where a core has to look ahead from the start, or where the penalty of the
 torque limit may be too small.

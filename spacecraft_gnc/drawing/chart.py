@@ -1,4 +1,4 @@
-"""A diagram of the report, and the two shapes that most of them have."""
+"""Diagram of the report, and the two common kinds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Long series drawn with fewer points, without hiding an extreme."""
+"""Decimation of long series that keeps their extremes."""
 
 from __future__ import annotations
 

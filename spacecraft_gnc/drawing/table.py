@@ -1,4 +1,4 @@
-"""Lines of a table that compares runs, and how their numbers are written."""
+"""Rows of a table that compares runs, and the format of their numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Building blocks of the report's diagrams, as plotly.js takes them."""
+"""Building blocks of the report's diagrams, in plotly.js form."""
 
 from __future__ import annotations
 

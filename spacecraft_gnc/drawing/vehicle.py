@@ -23,7 +23,7 @@ class VehicleReport(Protocol):
 
     @property
     def rows(self) -> Sequence[Row]:
-        """Lines of the summary table."""
+        """Rows of the summary table."""
 
     def telemetry(
         self, flight: Any, scenario: Any, bag: Bag | None, namespace: str | None = None

@@ -1,4 +1,4 @@
-"""Laws that shape the reference."""
+"""Reference governors: laws that shape the reference."""
 
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
 

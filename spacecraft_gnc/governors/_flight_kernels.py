@@ -1,4 +1,4 @@
-"""Kernels of a loop flown ahead; `controller_loop` documents them.
+"""Kernels of a predicted closed loop; `controller_loop` documents them.
 
 ``rows`` (7, 3): R over Pi over R_ref. ``limits`` (3,): largest torque, largest momentum (0: none),
 level of the settled set. ``worst`` (3,): the margin nearest to its bound as a share of the limit

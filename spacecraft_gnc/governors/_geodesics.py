@@ -1,4 +1,4 @@
-"""Many geodesics of SO(3) at once: how near each comes to the zones, in closed form."""
+"""Batches of geodesics on SO(3), and their distance to the zones in closed form."""
 
 from __future__ import annotations
 

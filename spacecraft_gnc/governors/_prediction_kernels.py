@@ -1,4 +1,4 @@
-"""Kernels that fly the nominal loop ahead; `feedback_loop` and `tail` document them.
+"""Kernels that predict the nominal loop; `feedback_loop` and `tail` document them.
 
 ``limits``: torque, momentum (infinity: none), level of W, momentum up to which (4) always holds.
 ``tail`` (7, 6): the set x . P x <= c with x = (log E, Pi); P in rows 0 to 5, then c (0: no tail is

@@ -1,4 +1,4 @@
-"""Kernels that try the nominal loop at samples; `tail` documents what for."""
+"""Kernels that test the nominal loop at sampled states; `tail` documents them."""
 
 from __future__ import annotations
 

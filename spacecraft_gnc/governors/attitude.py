@@ -1,4 +1,4 @@
-"""The reference governor on SO(3): the reference moves to the target as fast as the loop allows.
+"""Reference governor on SO(3): moves the reference to the target as fast as the loop allows.
 
 Each step moves the reference along the shortest geodesic to the target,
 V_k = exp(alpha log(R V_{k-1}^T)) V_{k-1}, by the largest alpha in [0, 1] found by bisection for

@@ -1,4 +1,4 @@
-"""The predicted loop of any controller: what a governor in front of it looks ahead with.
+"""Closed-loop predictor of any controller, used by the reference governor.
 
 A controller of the scenario's own kind is flown from the given state under the constant reference
 until it settles (`settling`), violates a constraint, or the horizon ends. What a solver's short

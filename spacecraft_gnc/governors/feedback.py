@@ -1,4 +1,4 @@
-"""The nominal controller: almost globally stabilising feedback on SO(3), and its Lyapunov function.
+"""Nominal controller: almost globally stabilizing feedback on SO(3), and its Lyapunov function.
 
     E = V^T C,   hat(e) = A E - E^T A,   T = -K Pi - e,   W = Pi . J^-1 Pi / 2 + tr(A (I - E))
 

@@ -1,4 +1,4 @@
-"""The nominal loop flown ahead, to the step from which on nothing can be violated.
+"""Predictor of the nominal loop, up to the step after which no constraint can be violated.
 
 Source: Kalabic et al. 2014, (14). Where the horizon is computed, a prediction ends in the tail set
 (see `tail`); where it is given, constraints are checked over that many steps, as printed, and

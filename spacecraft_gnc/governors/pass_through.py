@@ -1,4 +1,4 @@
-"""The governor that does not govern: the target is the reference."""
+"""Pass-through governor: the reference is the target."""
 
 from __future__ import annotations
 

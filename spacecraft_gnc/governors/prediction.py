@@ -1,4 +1,4 @@
-"""The seams of a governor: what predicts the loop, and what finds a way round.
+"""Interfaces of a governor: the loop predictor and the router.
 
 Attitudes map body to inertial components; all units are SI.
 """

@@ -1,4 +1,4 @@
-"""The set V of references: attitudes that keep an angle to every pointing zone at rest.
+"""Set V of admissible references: attitudes with a margin to every pointing zone at rest.
 
 Source: Kalabic et al. 2014, (7) and section V-A, for zones of any kind and number. A set with an
 exclusion zone has not the convexity-like property (12): a geodesic may leave it on the way, so

@@ -1,4 +1,4 @@
-"""A way round: intermediate references where a zone lies across the shortest way.
+"""Waypoints around a zone that lies across the shortest way.
 
 A governor that moves its reference along one geodesic stops before a zone that lies across it. A
 roadmap leads round: attitudes that keep clear of every zone, spread evenly over SO(3), and between

@@ -1,4 +1,4 @@
-"""The largest admissible step of the reference along a geodesic, by bisection.
+"""Largest admissible step of the reference along a geodesic, by bisection.
 
 Source: Kalabic et al. 2014, (11), (15) and Algorithm 1.
 """

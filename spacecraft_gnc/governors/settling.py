@@ -1,4 +1,4 @@
-"""Where a loop counts as settled: a neighbourhood of the reference that it never leaves again.
+"""Settled set of a loop: a neighborhood of the reference that it never leaves again.
 
 Any controller's loop is measured there, by differences, as a linear one: x+ = A x for the deviation
 x = (eta, Pi) from rest at the reference, with R = R_ref exp(hat(eta)). Where it decays, the sum of

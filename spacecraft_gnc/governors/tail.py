@@ -1,4 +1,4 @@
-"""How long a prediction has to be: the tail set of the nominal loop, and the way into it.
+"""Length of a prediction: the tail set of the nominal loop and the steps to reach it.
 
 Linearised at rest at the reference, with x = (log E, Pi), one control period of the loop is
 x+ = M x. The tail set is {x . P x <= c} with M^T P M - r P = -r Q, where r is the spectral radius

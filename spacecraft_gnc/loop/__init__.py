@@ -1,4 +1,4 @@
-"""The closed loop and its seams, without ROS."""
+"""Closed loop and its interfaces, without ROS."""
 
 from spacecraft_gnc.loop.closed_loop import ClosedLoop
 from spacecraft_gnc.loop.flight import Flight

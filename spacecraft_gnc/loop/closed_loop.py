@@ -1,4 +1,4 @@
-"""The closed loop without ROS: the same cores as the nodes host, in one thread."""
+"""Closed loop without ROS: the cores that the nodes host, in one thread."""
 
 from __future__ import annotations
 

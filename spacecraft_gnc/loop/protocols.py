@@ -1,4 +1,4 @@
-"""The seams of the closed loop: what a plant, a controller and a governor have to offer.
+"""Interfaces of the closed loop: plant, controller and governor.
 
 Nodes, `ClosedLoop` and users' own packages meet here. The seams are generic in the state S, the
 control U and the target or reference R of a vehicle. A state is a named tuple whose ``step`` is the

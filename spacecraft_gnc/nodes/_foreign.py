@@ -1,4 +1,4 @@
-"""Topics that are not of our graph: found on the live graph, with whatever type they have."""
+"""Foreign topics: found on the live graph, of any type."""
 
 from __future__ import annotations
 

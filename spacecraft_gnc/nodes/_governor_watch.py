@@ -1,4 +1,4 @@
-"""Notices a governor that cannot do what it was asked for, and says so once."""
+"""Monitor of the governor: reports once that a target cannot be reached."""
 
 from __future__ import annotations
 

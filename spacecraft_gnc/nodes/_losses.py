@@ -1,4 +1,4 @@
-"""Messages that were published and never came, by the numbers that DDS gives them."""
+"""Loss detection by the sequence numbers of DDS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every node of a graph has as its parameters, asked of the nodes themselves."""
+"""Parameters of all nodes, requested from the live graph."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The one way to run nodes as a process: start, spin, end cleanly on a signal, report errors.
+"""Process of a node: start, spin, clean end on a signal, error report.
 
 Exit codes: 0 the work is done or the node was told to end (SIGINT, SIGTERM, or a launcher that
 went away), 1 it could not go on, 2 its parameters were refused.

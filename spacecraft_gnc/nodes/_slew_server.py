@@ -1,4 +1,4 @@
-"""The SlewTo action: one target at a time, the newest wins."""
+"""Server of the SlewTo action: one target at a time, a new one replaces it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A thread beside the executor, for work that would block it."""
+"""Worker thread for computations that would block the executor."""
 
 from __future__ import annotations
 

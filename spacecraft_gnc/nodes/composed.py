@@ -1,4 +1,4 @@
-"""All nodes of the graph in one process and one executor: the fastest lockstep."""
+"""All nodes in one process and one executor, for the fastest lockstep."""
 
 from __future__ import annotations
 

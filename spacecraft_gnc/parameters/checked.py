@@ -1,4 +1,4 @@
-"""All values of a scenario, each checked by itself, with every problem found on the way."""
+"""Checked values of a scenario, with every problem found."""
 
 from __future__ import annotations
 

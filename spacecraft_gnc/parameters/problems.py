@@ -1,4 +1,4 @@
-"""What is wrong with a scenario: one `Problem` a line, all of them in one exception."""
+"""Problems of a scenario: one `Problem` per line, all in one exception."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One value against its `ParameterSpec`."""
+"""Validation of one value against its `ParameterSpec`."""
 
 from __future__ import annotations
 

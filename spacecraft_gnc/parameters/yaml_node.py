@@ -1,4 +1,4 @@
-"""YAML text to a node tree, and nodes to parameter values, by the rules of ROS 2."""
+"""YAML text to a node tree and to parameter values, by the rules of ROS 2."""
 
 from __future__ import annotations
 

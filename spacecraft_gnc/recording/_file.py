@@ -1,4 +1,4 @@
-"""The folder and the file of a bag that is being recorded."""
+"""Folder and file of a bag being recorded."""
 
 from __future__ import annotations
 

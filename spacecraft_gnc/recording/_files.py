@@ -1,4 +1,4 @@
-"""The MCAP files of a bag: which belong to it, and whether they are whole.
+"""MCAP files of a bag, and whether they are complete.
 
 ``metadata.yaml`` says which files belong to the bag. Everything else in it is a copy of what the
 files hold, which other producers and editors leave wrong; it is not read.

@@ -1,4 +1,4 @@
-"""What one MCAP file holds: its channels, how many messages, from when to when, and where.
+"""Index of one MCAP file: channels, message counts, time range, positions.
 
 A file whose summary lists its channels and counts its messages is believed; of any other, the
 records themselves are read.

@@ -1,4 +1,4 @@
-"""Many serialized messages of one type to arrays, without an object for each message.
+"""Vectorized decoding of serialized messages of one type to arrays.
 
 Messages whose strings and sequences have the same lengths hold each field at the same place, so
 that one strided view reads it from all of them. Of a topic that is nearly every message.

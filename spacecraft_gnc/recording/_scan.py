@@ -1,4 +1,4 @@
-"""The records of an MCAP file's data section, block by block: several times faster than one by one.
+"""Block-wise reading of the data section of an MCAP file.
 
 Source: MCAP specification 1.0, records Chunk, Schema, Channel and Message.
 """

@@ -1,4 +1,4 @@
-"""Which steps of a topic came so far: a step that comes again must be the same message."""
+"""Repeated steps of a topic: a repeated step must carry the same message."""
 
 from __future__ import annotations
 

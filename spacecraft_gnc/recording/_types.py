@@ -1,4 +1,4 @@
-"""Message definitions of a bag, parsed when a topic is needed: a foreign one harms no other."""
+"""Message definitions of a bag, parsed on demand so that a foreign one harms no other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checksums of an MCAP file: of the data section, each chunk, each attachment and the summary.
+"""Checksums of an MCAP file: data section, chunks, attachments and summary.
 
 Source: MCAP specification 1.0, records Data End, Chunk, Attachment and Footer.
 """

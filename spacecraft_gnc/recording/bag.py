@@ -1,4 +1,4 @@
-"""Read access to a bag: rosbag2 folder, single .mcap file, or one that was cut off.
+"""Read access to a bag: rosbag2 folder, single .mcap file, or a truncated one.
 
 What a bag holds comes from its files: topics, types, offered profiles, counts and times. Of
 ``metadata.yaml`` only the list of the files is used (`_files`).

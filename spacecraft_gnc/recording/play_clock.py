@@ -1,4 +1,4 @@
-"""Where a player is: wall time to position, through pauses, seeks and changes of the rate.
+"""Clock of a player: wall time to position, with pauses, seeks and rate changes.
 
 No clock is read here: wall time is handed in, so that it is tested without waiting.
 """

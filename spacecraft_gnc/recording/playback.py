@@ -1,4 +1,4 @@
-"""The messages of a bag in the order in which they are to be played.
+"""Messages of a bag in playback order.
 
 In simulated time many messages bear the same stamp, and players shuffle them (rosbag2#2173). Here
 those of one stamp keep the order of cause and effect: by control step, and within a step the state,

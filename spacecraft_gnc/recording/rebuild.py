@@ -1,4 +1,4 @@
-"""A whole bag out of one that was cut off, and what is known of its losses."""
+"""Repair of a truncated bag, and a record of its losses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How long the graph took from a state to its torque, as the plant saw it."""
+"""Latency from a state to its command, as measured by the plant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a bag has to know about the topics of the graph."""
+"""Topic definitions for a bag: types, schemas and quality of service."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Topics and their ends as a graph shows them: types, nodes, quality of service."""
+"""Topics and endpoints of a live graph: types, nodes, quality of service."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A look at any live ROS 2 graph: its nodes, its topics, what they carry."""
+"""Observer of a live ROS 2 graph: nodes, topics, messages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The last messages of some topics, and how fast they come."""
+"""Latest messages of some topics, and their rates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever flies on this machine, one flight after the other, as somebody watches it."""
+"""Live view of whatever flies on this machine, one flight after the other."""
 
 from __future__ import annotations
 

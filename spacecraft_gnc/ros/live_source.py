@@ -1,4 +1,4 @@
-"""A flying graph as somebody watches it: the last messages of its topics, put into one picture."""
+"""Live view of a flying graph: the latest messages of its topics as one picture."""
 
 from __future__ import annotations
 

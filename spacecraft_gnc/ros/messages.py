@@ -1,4 +1,4 @@
-"""Any message as plain values, and one field of it by its path."""
+"""Messages as plain values, and access to a field by its path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A publisher of raw messages that waits for its readers."""
+"""Publisher of raw messages with flow control."""
 
 from __future__ import annotations
 

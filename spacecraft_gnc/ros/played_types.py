@@ -1,4 +1,4 @@
-"""From what a bag tells of a topic to what rclpy publishes it with."""
+"""Types and profiles for publishing a bag's topics with rclpy."""
 
 from __future__ import annotations
 

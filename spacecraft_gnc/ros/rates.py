@@ -1,4 +1,4 @@
-"""Rates and ages of the messages on topics, measured by an observer of the graph."""
+"""Rates and ages of messages, measured by an observer of the graph."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every topic of a graph, its bytes unchanged, to somebody outside ROS."""
+"""Relay of every topic of a graph, bytes unchanged, to a client outside ROS."""
 
 from __future__ import annotations
 

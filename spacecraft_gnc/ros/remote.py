@@ -1,4 +1,4 @@
-"""Parameters and life cycle of another node, asked for over its services."""
+"""Parameters and life cycle of another node, by its services."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scenario that flies, read from the parameters of its nodes without holding anybody up."""
+"""Scenario of a live graph, read from the parameters of its nodes without blocking."""
 
 from __future__ import annotations
 

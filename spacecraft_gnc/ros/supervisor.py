@@ -1,4 +1,4 @@
-"""The launcher's own ROS 2 node: drives life cycles and listens for progress."""
+"""ROS 2 node of the launcher: drives life cycles and listens for progress."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What no value shows by itself: whether the values of a scenario fit together.
+"""Checks across the values of a scenario.
 
 Every check stays silent where a value that it needs was refused already. NumPy is all that is
 needed: no kernel is compiled to say that a file is wrong. What concerns one vehicle only, the

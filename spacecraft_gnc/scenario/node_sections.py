@@ -1,4 +1,4 @@
-"""What ROS 2 gives each node out of the sections of parameter files.
+"""Assignment of parameter-file sections to nodes, as ROS 2 does it.
 
 A section's name is a pattern of full node names: ``*`` stands for one word, ``**`` for any number
 of words, none included. ROS 2 lays the sections that match a node over each other in the order in

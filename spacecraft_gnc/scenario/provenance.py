@@ -1,4 +1,4 @@
-"""What flew: versions, machine and methods of a run, as a bag keeps them."""
+"""Provenance of a run: versions, machine and methods, as stored in a bag."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the scenarios, and other files, that come with the package lie."""
+"""Location of the scenarios and other files that come with the package."""
 
 from __future__ import annotations
 

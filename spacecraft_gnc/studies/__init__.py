@@ -1,4 +1,4 @@
-"""The papers' cases, flown again: ours beside what they print.
+"""Reproduction of the papers' cases: our figures beside the printed ones.
 
 One module for each paper with a function ``run(baselines, progress) -> Report``, named in `PAPERS`.
 """

@@ -1,4 +1,4 @@
-"""The study of neighbouring extremals: changed initial conditions, four ways to answer them.
+"""Study of neighboring extremals: changed initial conditions, four ways to answer them.
 
 Table III, which lists the second initial conditions, is missing from the text we have. In its place
 stand three: the first one rotated by 5 and 10 deg about body x and by 10 deg about body [1, 1, 1].

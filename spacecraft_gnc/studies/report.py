@@ -1,4 +1,4 @@
-"""What a reproduction returns: figures beside the paper's, checks with a verdict, pictures."""
+"""Result of a reproduction: figures beside the paper's, checks with a verdict, pictures."""
 
 from __future__ import annotations
 

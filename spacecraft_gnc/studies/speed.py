@@ -1,4 +1,4 @@
-"""How fast the cores are, on the machine at hand.
+"""Speed of the cores on this machine.
 
 Wall times of `time.perf_counter`, in one process and one thread, after a warm-up. Machines are
 shared and noisy: the median is the figure to quote.

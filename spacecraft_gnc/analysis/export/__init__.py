@@ -1,4 +1,4 @@
-"""A bag as a table or as arrays for other tools: CSV, Parquet, NPZ, MAT."""
+"""Export of a bag to CSV, Parquet, NPZ and MAT."""
 
 from spacecraft_gnc.analysis.export.formats import SUFFIXES, write_export
 from spacecraft_gnc.analysis.export.topics import Export, read_export

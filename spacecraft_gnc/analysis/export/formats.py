@@ -1,4 +1,4 @@
-"""Writers of the formats. Each is lossless: doubles come back bit for bit, integers as integers."""
+"""Lossless writers of the export formats: doubles are kept bit for bit, integers as integers."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""A flight as somebody watches it: what is shown, and who serves it."""
+"""Live view of a flight: its pictures and the servers that show them."""

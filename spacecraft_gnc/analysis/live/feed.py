@@ -1,4 +1,4 @@
-"""Frames of a watched flight, made by one thread and handed to any number of watchers."""
+"""Frames of a watched flight, made by one thread for any number of viewers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A WebSocket server for the Foxglove app: serialized messages as they are, and their definitions.
+"""WebSocket server for the Foxglove app: serialized messages and their definitions.
 
 Source: foxglove-sdk; channels of encoding ``cdr`` with ``ros2msg`` schemas, as in an MCAP file.
 """

@@ -1,4 +1,4 @@
-"""The past of a flight as charts draw it: few enough samples, however long it lasts."""
+"""History of a flight for the charts, decimated to a bounded number of samples."""
 
 from __future__ import annotations
 

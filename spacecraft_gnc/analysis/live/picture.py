@@ -1,4 +1,4 @@
-"""What is shown of a flight at one moment, and what stays the same all along."""
+"""Picture of a flight at one instant, and the setup that stays the same."""
 
 from __future__ import annotations
 

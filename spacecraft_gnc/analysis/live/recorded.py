@@ -1,4 +1,4 @@
-"""A recorded or simulated flight, played for somebody who watches."""
+"""Playback of a recorded or simulated flight in the live view."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The local page: a fixed table of paths, server-sent events, and a few commands.
+"""Local web server of the live view: fixed paths, server-sent events, a few commands.
 
 It serves no files of the user, answers only requests that name this machine (a page elsewhere could
 otherwise reach it by a name that it makes point here: DNS rebinding), sends no CORS header, and

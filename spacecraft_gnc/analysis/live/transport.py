@@ -1,4 +1,4 @@
-"""What a recording is played with: play, pause, seek and rate, asked for by any thread."""
+"""Playback controls (play, pause, seek, rate), safe to use from any thread."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The report: one self-contained HTML page for one or several runs side by side."""
+"""Report: one self-contained HTML page for one or several runs."""
 
 from spacecraft_gnc.analysis.report.page import report_html, write_report
 from spacecraft_gnc.analysis.report.runs import Run, read_run

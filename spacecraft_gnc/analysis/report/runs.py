@@ -1,4 +1,4 @@
-"""One run of a report: its flight and everything that is told of it."""
+"""Run of a report: its flight, scenario, metrics and audit."""
 
 from __future__ import annotations
 

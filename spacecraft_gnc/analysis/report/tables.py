@@ -1,4 +1,4 @@
-"""Tables of the report: metrics side by side, warnings, what is known of each recording."""
+"""Tables of the report: metrics side by side, warnings, provenance of each recording."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``gnc check`` says of a rigid body's scenario."""
+"""Facts of a rigid body's scenario, for ``gnc check``."""
 
 from __future__ import annotations
 

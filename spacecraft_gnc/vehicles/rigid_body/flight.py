@@ -1,4 +1,4 @@
-"""The record of a rigid body's flight."""
+"""Record of a rigid body's flight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the live page and the dashboard show of a rigid body."""
+"""Live view of a rigid body: values, charts and readouts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the controller and the governor of a rigid spacecraft publish at each step."""
+"""Messages that controller and governor of a rigid body publish at each step."""
 
 from __future__ import annotations
 

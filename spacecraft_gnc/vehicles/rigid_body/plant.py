@@ -1,4 +1,4 @@
-"""Simulated vehicles behind the `Plant` protocol."""
+"""Rigid-body plant behind the `Plant` protocol."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The flight in a bag: topics aligned by the control step in every message."""
+"""Flight of a rigid body read from a bag, aligned by control step."""
 
 from __future__ import annotations
 

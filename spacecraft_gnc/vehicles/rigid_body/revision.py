@@ -1,4 +1,4 @@
-"""What a scenario asks of another controller along a flight that is over."""
+"""Revision of a scenario for another controller along a recorded flight."""
 
 from __future__ import annotations
 

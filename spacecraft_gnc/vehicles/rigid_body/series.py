@@ -1,4 +1,4 @@
-"""Quantities over time that metrics and figures share.
+"""Time series shared by metrics and figures.
 
 Rows k = 0..n-1 of a trajectory are its control steps; series of states have n + 1 rows, the last
 one for the state after the last step. A row that a recording lost is NaN.

@@ -1,4 +1,4 @@
-"""Signals of the rigid spacecraft: its state, its torque command, and what is told beside them."""
+"""Signals of the rigid body: state, torque command, status and telemetry."""
 
 from __future__ import annotations
 

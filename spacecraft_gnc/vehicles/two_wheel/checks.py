@@ -1,4 +1,4 @@
-"""Whether bus, wheels, start and method of a scenario fit together."""
+"""Checks of a scenario: bus, wheels, start and method."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``gnc check`` says of a scenario of a spacecraft with wheels; loads no kernel."""
+"""Facts of a scenario of a spacecraft with wheels, for ``gnc check``, without kernels."""
 
 from __future__ import annotations
 

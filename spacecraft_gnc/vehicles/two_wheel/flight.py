@@ -1,4 +1,4 @@
-"""The record of a flight of a spacecraft with wheels."""
+"""Record of a flight of a spacecraft with wheels."""
 
 from __future__ import annotations
 

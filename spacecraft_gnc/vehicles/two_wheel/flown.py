@@ -1,4 +1,4 @@
-"""A flight with what is told of it, as its pictures and pages read it."""
+"""Flight with its scenario, as figures and report read it."""
 
 from __future__ import annotations
 

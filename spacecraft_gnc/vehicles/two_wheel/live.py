@@ -1,4 +1,4 @@
-"""What the live page and the dashboard show of a spacecraft with wheels."""
+"""Live view of a spacecraft with wheels: values, charts and readouts."""
 
 from __future__ import annotations
 

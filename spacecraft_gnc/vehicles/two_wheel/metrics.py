@@ -1,4 +1,4 @@
-"""Summary of a flight of a spacecraft with wheels in numbers; None where there is nothing known."""
+"""Metrics of a flight of a spacecraft with wheels; None where nothing is known."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the controller and the governor of a spacecraft with wheels publish at each step."""
+"""Messages that controller and governor of a spacecraft with wheels publish at each step."""
 
 from __future__ import annotations
 

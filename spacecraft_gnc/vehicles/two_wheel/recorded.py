@@ -1,4 +1,4 @@
-"""The flight in a bag: its messages aligned by the control step that each carries."""
+"""Flight of a spacecraft with wheels read from a bag, aligned by control step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the report's page shows of flights of a spacecraft with wheels."""
+"""Report of flights of a spacecraft with wheels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recorded commands beside those of another controller."""
+"""Comparison of recorded commands with those of another controller."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the room reads of a scenario."""
+"""Protocol of a scenario, as this vehicle reads it."""
 
 from __future__ import annotations
 

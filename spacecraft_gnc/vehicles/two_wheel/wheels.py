@@ -1,4 +1,4 @@
-"""Axes and inertias of reaction wheels: what a set has to be. Loads no kernel."""
+"""Requirements on axes and inertias of reaction wheels, without kernels."""
 
 from __future__ import annotations
 

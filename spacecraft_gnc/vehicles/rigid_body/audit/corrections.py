@@ -1,4 +1,4 @@
-"""Neighboring extremals flown in place of solves, each against an exact solve of the same step."""
+"""Audit of neighboring extremals, each against an exact solve of the same step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The audit of a rigid body's flight: its motion, its references, its solves, its torques."""
+"""Audit of a rigid body's flight: motion, references, solves, torques."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rotation vectors at the end of plans, as the terminal cost of Kalabic et al. has them."""
+"""Rotation vectors at the end of plans, for the terminal cost of Kalabic et al."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recorded plans, certified afresh from their own numbers."""
+"""Recorded plans, certified again from their own numbers."""
 
 from __future__ import annotations
 

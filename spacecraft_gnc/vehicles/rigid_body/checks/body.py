@@ -1,4 +1,4 @@
-"""Whether body and step fit together: an inertia, and a step of the integrator that exists."""
+"""Checks of the body: inertia, and existence of the integrator's step."""
 
 from __future__ import annotations
 

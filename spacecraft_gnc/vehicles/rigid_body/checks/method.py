@@ -1,4 +1,4 @@
-"""Whether what is given for the method fits it: horizon, nominal run, level of the governor."""
+"""Checks of the method: horizon, nominal run, level of the governor."""
 
 from __future__ import annotations
 

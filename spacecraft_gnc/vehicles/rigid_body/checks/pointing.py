@@ -1,4 +1,4 @@
-"""Whether the pointing zones can be kept: each with start and target, and each with the others."""
+"""Checks of the pointing zones: compatible with start and target, and with each other."""
 
 from __future__ import annotations
 

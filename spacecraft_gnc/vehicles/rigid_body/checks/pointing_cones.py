@@ -1,4 +1,4 @@
-"""Pointing zones as cones: what one demands of an attitude, and what two leave of each other.
+"""Geometry of pointing zones as cones.
 
 An exclusion cone of half-angle a about d is an inclusion cone of half-angle pi - a about -d, so
 every zone becomes "angle(R v, d) <= a" and one rule does for all pairs.

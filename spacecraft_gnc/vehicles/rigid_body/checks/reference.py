@@ -1,4 +1,4 @@
-"""Whether a reference that moves has a way to go, and a method that follows it."""
+"""Checks of a moving reference: its trajectory, and a method that tracks it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a governed flight has an attitude to start from, one to end at, and limits between.
+"""Checks of a governed flight: start, target and limits.
 
 Only for the governor of this package. What needs a prediction, such as whether a moving start can
 be held, the governor itself refuses when it is built (`Scenario.check_cores`).

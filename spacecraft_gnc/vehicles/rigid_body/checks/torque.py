@@ -1,4 +1,4 @@
-"""Whether the torque suffices: what the actuators command, and how soon the target is in reach."""
+"""Checks of the torque: actuator authority, and time to reach the target."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The failure ladder: which torque is flown when the best one is not to be had.
+"""Fallback ladder: torque applied when the solver has no valid answer.
 
 optimal -> neighbouring extremal -> shifted plan -> saturated feedback -> zero torque.
 """

@@ -1,4 +1,4 @@
-"""What a method of the rigid body reports beside its torque: the solve, and a standstill."""
+"""Report of a rigid body's method beside its torque: solve and standstill."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Torque laws behind the `Controller` protocol: the solvers of `ocp`, with what a flight needs.
+"""NMPC controllers behind the `Controller` protocol, around the solvers of `ocp`.
 
 Every controller here flies the same way: one solve from the last one's multipliers, the failure
 ladder behind it, and the certificate of the loop at a standstill.

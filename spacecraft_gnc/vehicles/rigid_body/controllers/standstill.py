@@ -1,4 +1,4 @@
-"""The certificate of the loop at a standstill, and the way out of an unstable one.
+"""Standstills of the loop: stability certificate, and escape from an unstable one.
 
 A stalled spacecraft can sit at a strict minimum of every horizon and still be at an unstable
 equilibrium of the closed loop: behind a pointing zone that lies exactly across its way, or half a

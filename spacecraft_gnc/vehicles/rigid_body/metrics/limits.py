@@ -1,4 +1,4 @@
-"""Limits of a scenario that its flight exceeded, and by what factor."""
+"""Limits that a flight exceeded, and by what factor."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Summary of one flight in numbers."""
+"""Summary metrics of one flight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The values of a scenario as the formulas of `defaults` read them: numbers, matrices, scales."""
+"""Values of a scenario for the formulas of the defaults: numbers, matrices, scales."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an animation shows of one flight."""
+"""Data of one animated flight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Curves below an animation, one diagram for all its flights: error, zones, torque."""
+"""Curves below an animation: error, zone margins and torque of all its flights."""
 
 from __future__ import annotations
 

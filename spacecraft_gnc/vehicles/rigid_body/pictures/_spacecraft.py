@@ -1,4 +1,4 @@
-"""A schematic spacecraft, body with telescope and two solar wings, for the center of the sphere."""
+"""Schematic spacecraft (body, telescope, two solar wings) for the center of the sphere."""
 
 from __future__ import annotations
 

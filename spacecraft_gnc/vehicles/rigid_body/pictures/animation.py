@@ -1,4 +1,4 @@
-"""Moving picture of one flight, or of several side by side, as an animated GIF."""
+"""Animated GIF of one flight, or of several side by side."""
 
 from __future__ import annotations
 

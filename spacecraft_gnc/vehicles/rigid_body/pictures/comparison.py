@@ -1,4 +1,4 @@
-"""Figures of several flights over each other."""
+"""Figures of several flights overlaid."""
 
 from __future__ import annotations
 

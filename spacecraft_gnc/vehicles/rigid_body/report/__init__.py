@@ -1,4 +1,4 @@
-"""What the report's page shows of flights of a rigid body."""
+"""Report of flights of a rigid body."""
 
 from __future__ import annotations
 

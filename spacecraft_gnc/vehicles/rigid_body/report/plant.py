@@ -1,4 +1,4 @@
-"""Diagrams of where torques came from, and of the invariants of the plant."""
+"""Diagrams of the sources of the torque and of the plant's invariants."""
 
 from __future__ import annotations
 

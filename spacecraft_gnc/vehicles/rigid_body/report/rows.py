@@ -1,4 +1,4 @@
-"""Lines of the summary table."""
+"""Rows of the summary table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every recorded step solved again: numbers, prices, a table and a figure."""
+"""Re-solution of every recorded step: numbers, costs, a table and a figure."""
 
 from __future__ import annotations
 

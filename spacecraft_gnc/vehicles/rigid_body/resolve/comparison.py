@@ -1,4 +1,4 @@
-"""A flight beside what another controller would have commanded, in numbers."""
+"""Comparison of a flight with the commands of another controller, in numbers."""
 
 from __future__ import annotations
 

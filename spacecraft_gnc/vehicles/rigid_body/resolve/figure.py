@@ -1,4 +1,4 @@
-"""A flight beside what another controller would have commanded: a figure."""
+"""Comparison of a flight with the commands of another controller: a figure."""
 
 from __future__ import annotations
 

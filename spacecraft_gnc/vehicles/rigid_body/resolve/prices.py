@@ -1,4 +1,4 @@
-"""Costs of recorded and new plans by the recorded problem, with penalties and without."""
+"""Costs of recorded and new plans under the recorded problem, with and without penalties."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every recorded step solved again, by the same controller or by another one.
+"""Re-solution of every recorded step, by the same controller or another one.
 
 The controller is given the recorded state and reference of each step, so it never flies away from
 the recording: differences of the torques are differences of the controllers alone.

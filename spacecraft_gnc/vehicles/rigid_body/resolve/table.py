@@ -1,4 +1,4 @@
-"""The comparison in words: rows of a table."""
+"""Rows of the comparison's table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check references, commands and what was applied: the governor and the law are asked again."""
+"""Audit of references, commands and applied accelerations: governor and law are evaluated again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The equations of motion once more, for many steps at once, by code that the plant does not use.
+"""Equations of motion for many steps at once, independent of the plant's code.
 
     R' = R hat(omega),   omega = J^-1 (R^T H - sum of a_i Js_i nu_i),   nu_i' = u_i or 0
 

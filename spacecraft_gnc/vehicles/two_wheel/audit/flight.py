@@ -1,4 +1,4 @@
-"""The audit of a flight: motion, wheels, references, commands."""
+"""Audit of a flight: motion, wheels, references, commands."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recorded states as the cores take them."""
+"""Recorded states, in the form of the cores."""
 
 from __future__ import annotations
 

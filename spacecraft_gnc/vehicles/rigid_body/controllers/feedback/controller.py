@@ -1,4 +1,4 @@
-"""The nominal controller behind the `Controller` protocol."""
+"""Nominal feedback controller behind the `Controller` protocol."""
 
 from __future__ import annotations
 
