@@ -20,7 +20,7 @@ import numpy as np
 
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.reader import load_run
-from spacecraft_gnc.loop.trajectory import Trajectory
+from spacecraft_gnc.loop.flight import Flight
 from spacecraft_gnc.scenario import load
 
 ROOT = Path(__file__).parents[1]
@@ -78,7 +78,7 @@ def gnc(*arguments: str | Path) -> None:
     subprocess.run([sys.executable, "-m", "spacecraft_gnc", *command], check=True)
 
 
-def compare_with_pd(governed: Trajectory, pd: Trajectory) -> None:
+def compare_with_pd(governed: Flight, pd: Flight) -> None:
     """Compare the flight past two zones with that of the PD."""
     both = [summarize(flight, load(ROOT / PD)) for flight in (governed, pd)]
     rows = [
@@ -98,7 +98,7 @@ def compare_with_pd(governed: Trajectory, pd: Trajectory) -> None:
         print(ROW.format(*row, "").rstrip())
 
 
-def compare_with_paper(flight: Trajectory) -> None:
+def compare_with_paper(flight: Flight) -> None:
     """Compare the flight with the paper's and with a solution by CasADi and IPOPT."""
     scenario = load(ROOT / CASE1)
     peer = with_states_of(IPOPT, flight)
@@ -121,7 +121,7 @@ def compare_with_paper(flight: Trajectory) -> None:
     print(f"The torques differ from IPOPT's by at most {difference:.1e} N m.")
 
 
-def with_states_of(path: Path, flight: Trajectory) -> Trajectory:
+def with_states_of(path: Path, flight: Flight) -> Flight:
     """Return ``flight`` with the attitudes, momenta and torques stored in ``path``."""
     with np.load(path) as stored:
         return dataclasses.replace(

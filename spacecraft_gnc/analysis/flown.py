@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spacecraft_gnc.analysis.reader import Flight, is_npz
+from spacecraft_gnc.analysis.reader import RecordedRun, is_npz
 from spacecraft_gnc.analysis.vehicle import has_part, part
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.types import Array
@@ -15,7 +15,7 @@ from spacecraft_gnc.types import Array
 if TYPE_CHECKING:
     from spacecraft_gnc.analysis.run_info import RunInfo
     from spacecraft_gnc.drawing.vehicle import VehicleReport
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.scenario import Scenario
 
 
@@ -36,7 +36,7 @@ class Flown:
     """
 
     name: str
-    trajectory: Trajectory
+    trajectory: Flight
     info: RunInfo
     telemetry: Any
     scenario: Scenario | None
@@ -49,7 +49,7 @@ class Flown:
 
 
 def flown(
-    name: str, flight: Flight, scenario: Scenario | None, *, allow_unfinished: bool = False
+    name: str, flight: RecordedRun, scenario: Scenario | None, *, allow_unfinished: bool = False
 ) -> Flown:
     """Return a flight with what its bag tells beside its arrays.
 
@@ -67,7 +67,7 @@ def flown(
     )
 
 
-def _telemetry(flight: Flight, scenario: Scenario | None, *, allow_unfinished: bool) -> Any:
+def _telemetry(flight: RecordedRun, scenario: Scenario | None, *, allow_unfinished: bool) -> Any:
     """Return what a flight tells beside its arrays, from its bag where it has one."""
     if not has_part("report", scenario):
         return None

@@ -8,11 +8,11 @@ from spacecraft_gnc.analysis.vehicle import part
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.scenario import Scenario
 
 
-def summarize(flight: Trajectory, scenario: Scenario | None = None) -> dict[str, Any]:
+def summarize(flight: Flight, scenario: Scenario | None = None) -> dict[str, Any]:
     """Return the metrics of a flight, ready for JSON.
 
     Parameters

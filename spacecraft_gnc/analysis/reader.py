@@ -9,8 +9,7 @@ from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.analysis.vehicle import part, require_vehicle
 from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.errors import RecordingError
-from spacecraft_gnc.loop.flight import agents_in
-from spacecraft_gnc.loop.trajectory import Trajectory
+from spacecraft_gnc.loop.flight import Flight, agents_in
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import flight_namespace
 from spacecraft_gnc.scenario.recorded import parse_scenario, scenario_texts
@@ -20,10 +19,10 @@ from spacecraft_gnc.vehicles.known_signals import state_signals
 NPZ_SUFFIX: Final = ".npz"
 
 
-class Flight(NamedTuple):
+class RecordedRun(NamedTuple):
     """A recorded run."""
 
-    trajectory: Trajectory
+    trajectory: Flight
     info: RunInfo
 
 
@@ -38,7 +37,7 @@ def load_run(
     namespace: str | None = None,
     allow_unfinished: bool = False,
     progress: Progress | None = None,
-) -> Flight:
+) -> RecordedRun:
     """Read a run: bag folder, .mcap file, or .npz file of ``gnc simulate --out``.
 
     Parameters
@@ -65,9 +64,9 @@ def load_run(
     )
 
 
-def _read_npz(path: Path, namespace: str | None) -> Flight:
+def _read_npz(path: Path, namespace: str | None) -> RecordedRun:
     agent = _agent_in_npz(path, namespace)
-    text, defaults = Trajectory.load_scenario(path), Trajectory.load_defaults(path)
+    text, defaults = Flight.load_scenario(path), Flight.load_defaults(path)
     scenario, problem = parse_scenario(text, path, agent or None, defaults)
     kind = registry.flight_of(None if scenario is None else scenario.vehicle)
     info = RunInfo(
@@ -77,7 +76,7 @@ def _read_npz(path: Path, namespace: str | None) -> Flight:
         scenario_problem=problem,
         namespace=agent or None,
     )
-    return Flight(kind.load(path, agent), info)
+    return RecordedRun(kind.load(path, agent), info)
 
 
 def _agent_in_npz(path: Path, namespace: str | None) -> str:
@@ -101,7 +100,7 @@ def read_flight(
     namespace: str | None = None,
     allow_unfinished: bool = False,
     progress: Progress | None = None,
-) -> Flight:
+) -> RecordedRun:
     """Read the flight in a bag, its topics aligned by the control step in every message.
 
     What acted is what the plant told that it applied; where that was not recorded it is the
@@ -143,4 +142,4 @@ def read_flight(
             metadata=bag.metadata(),
             remarks=tuple(bag.remarks()),
         )
-    return Flight(recorded.trajectory, info)
+    return RecordedRun(recorded.trajectory, info)

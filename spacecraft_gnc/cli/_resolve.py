@@ -18,7 +18,7 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import ParameterError, RecordingError
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.analysis.reader import Flight
+    from spacecraft_gnc.analysis.reader import RecordedRun
     from spacecraft_gnc.scenario import Scenario
     from spacecraft_gnc.vehicles.replay import VehicleReplay
 
@@ -96,7 +96,7 @@ def solve_again(wish: Solving) -> None:
         )
 
 
-def _scenario(flight: Flight, path: Path | None) -> Scenario:
+def _scenario(flight: RecordedRun, path: Path | None) -> Scenario:
     """Return the scenario in the bag, or else the one named on the command line."""
     info = flight.info
     scenario = known_scenario(info, given_scenario(path))
@@ -123,7 +123,7 @@ def _steps(text: str | None, n_steps: int) -> tuple[int, int]:
     return int(match[1] or 0), int(match[2] or n_steps)
 
 
-def _must_repeat(wish: Solving, flight: Flight, recorded: Scenario, resolved: Any) -> bool:
+def _must_repeat(wish: Solving, flight: RecordedRun, recorded: Scenario, resolved: Any) -> bool:
     """Tell whether a controller has to command again what it did: the same past, step by step."""
     disturbed = flight.info.missing or flight.info.overridden
     whole_past = resolved.steps[0] == 0 and not wish.cold
@@ -147,7 +147,7 @@ def _draw(
 
 def _print(
     wish: Solving,
-    flight: Flight,
+    flight: RecordedRun,
     vehicle: VehicleReplay,
     m: dict[str, Any],
     unread: tuple[str, ...],

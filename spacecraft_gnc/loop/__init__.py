@@ -12,7 +12,6 @@ from spacecraft_gnc.loop.protocols import (
     Source,
     State,
 )
-from spacecraft_gnc.loop.trajectory import Trajectory
 
 __all__ = [
     "ClosedLoop",
@@ -25,5 +24,4 @@ __all__ = [
     "Reference",
     "Source",
     "State",
-    "Trajectory",
 ]

@@ -8,7 +8,8 @@ from typing import Any, Final
 
 from spacecraft_gnc.arguments import require_members
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop.flight import End, Flight, FlightLog, Step
+from spacecraft_gnc.loop.flight import End, Flight, Step
+from spacecraft_gnc.loop.flight_log import FlightLog
 from spacecraft_gnc.loop.protocols import Controller, Governor, Plant
 
 _OF_A_CORE: Final = ("warm_up", "reset")
@@ -68,16 +69,19 @@ class ClosedLoop:
         for core in (self.plant, self.controller, self.governor):
             core.warm_up()
             core.reset()
-        log = FlightLog(self.plant.flight, self.plant.n_steps, self.plant.period)
-        state = self.plant.state
-        reference = None
-        for k in range(self.plant.n_steps):
-            decision = self.governor.decide(state)
+        plant, controller, governor = self.plant, self.controller, self.governor
+        log = FlightLog(plant.flight, plant.n_steps, plant.period)
+        state, reference = plant.state, None
+        step = Step(state, None, None, None)  # one for all, since making it takes time
+        for k in range(plant.n_steps):
+            step.state = state
+            step.decision = decision = governor.decide(state)
             reference = decision.reference
-            command = self.controller.command(state, reference)
-            step = Step(state, self.governor.target, decision, command, self.plant)
-            state = self.plant.step(command.control)
+            step.command = command = controller.command(state, reference)
+            step.target = governor.target
             log.add(k, step)
+            state = plant.step(command.control)
+            log.add_outcome(k, plant)
             if progress is not None:
                 progress(k + 1, self.plant.n_steps)
         if reference is None:

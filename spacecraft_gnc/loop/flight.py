@@ -7,11 +7,11 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import Self
 
 from spacecraft_gnc.arguments import require_path
@@ -26,8 +26,9 @@ _SUFFIX: Final = ".npy"
 _ITEM: Final = 8  # bytes of a number
 
 
-class Step(NamedTuple):
-    """One control step as the loop flew it."""
+@dataclasses.dataclass(slots=True)
+class Step:
+    """One control step as the loop flies it."""
 
     state: Any
     """At the start of the step."""
@@ -37,8 +38,6 @@ class Step(NamedTuple):
     """The governor's, with the reference."""
     command: Any
     """`loop.protocols.Command`"""
-    plant: Any = None
-    """The plant at the end of the step; None where nothing is simulated."""
 
 
 class End(NamedTuple):
@@ -49,11 +48,22 @@ class End(NamedTuple):
     """Of the last step; at this time, where it moves by itself."""
 
 
+class Moment(Enum):
+    """When the value of a column is read, and of what."""
+
+    START = "start"
+    """Before the plant makes a step: of a `Step`."""
+    OUTCOME = "outcome"
+    """After it: of the plant, which tells what happened over the step."""
+    END = "end"
+    """Once, after the last step: of the `End`."""
+
+
 class Column(NamedTuple):
     """What a flight keeps of each step, or of its end."""
 
-    read: Callable[[Any], Any]
-    """Value at a `Step`, or at the `End`; None where there is none."""
+    read: str | Callable[[Any], Any]
+    """Dotted attribute, or what returns the value; None where there is none."""
     shape: tuple[int, ...]
     """-1: a length that the first value tells."""
     missing: float | int
@@ -62,7 +72,14 @@ class Column(NamedTuple):
     """Topic of the message that carries the value."""
     member: str
     """Dotted field of that message."""
-    at_end: bool
+    moment: Moment = Moment.START
+    of: Callable[[Any], Any] | None = None
+    """What returns the object to read of instead of the step itself; None where there is none."""
+
+    @property
+    def at_end(self) -> bool:
+        """Whether it has one value, that of the end of the last step."""
+        return self.moment is Moment.END
 
     @property
     def type(self) -> type:
@@ -73,34 +90,35 @@ class Column(NamedTuple):
 
 
 def column(
-    read: Callable[[Step], Any],
+    read: str | Callable[[Any], Any],
     shape: tuple[int, ...] = (),
     *,
     carried_by: str = "",
     missing: float = np.nan,
+    moment: Moment = Moment.START,
+    of: Callable[[Any], Any] | None = None,
 ) -> Any:
     """Return a field of a `Flight`: an array (n, *shape), row k of control step k.
 
-    ``carried_by``: ``"topic/field"`` of the message in which a recording has the value.
+    ``carried_by``: ``"topic/field"`` of the message in which a recording has the value. A dotted
+    attribute is read faster than by a function; columns with the same ``of`` share its call.
     """
-    return _field(read, shape, carried_by, missing, at_end=False)
+    return _field(Column(read, shape, missing, *_topic_and_member(carried_by), moment, of))
 
 
-def final(read: Callable[[End], Any], shape: tuple[int, ...] = (), *, carried_by: str = "") -> Any:
-    """Return a field of a `Flight`: an array of ``shape`` at the end of the last step."""
-    return _field(read, shape, carried_by, np.nan, at_end=True)
-
-
-def _field(
-    read: Callable[[Any], Any],
-    shape: tuple[int, ...],
-    carried_by: str,
-    missing: float,
-    *,
-    at_end: bool,
+def final(
+    read: str | Callable[[End], Any], shape: tuple[int, ...] = (), *, carried_by: str = ""
 ) -> Any:
-    signal, _, member = carried_by.partition("/")
-    made = Column(read, shape, missing, signal, member, at_end)
+    """Return a field of a `Flight`: an array of ``shape`` at the end of the last step."""
+    return _field(Column(read, shape, np.nan, *_topic_and_member(carried_by), Moment.END))
+
+
+def _topic_and_member(carried_by: str) -> tuple[str, str]:
+    topic, _, member = carried_by.partition("/")
+    return topic, member
+
+
+def _field(made: Column) -> Any:
     return dataclasses.field(metadata={_COLUMN_KEY: made})
 
 
@@ -184,41 +202,6 @@ class Flight:
     def load_defaults(path: str | Path) -> str:
         """Read the defaults in a file written by `save`; empty where it holds none."""
         return str(_read(path, _DEFAULTS).get(_DEFAULTS, ""))
-
-
-_Kind = TypeVar("_Kind", bound=Flight)
-
-
-class FlightLog(Generic[_Kind]):
-    """Preallocated arrays of a flight of ``n`` control steps of ``period`` [s]."""
-
-    def __init__(self, kind: type[_Kind], n: int, period: float) -> None:
-        self._kind, self._period = kind, period
-        columns = list(kind.columns())
-        self._columns = [(name, column) for name, column in columns if not column.at_end]
-        self._finals = [(name, column) for name, column in columns if column.at_end]
-        self._time = np.asarray(period * np.arange(n), dtype=np.float64)
-        self._rows: dict[str, NDArray[Any]] = {
-            name: np.full((n, *column.shape), column.missing, column.type)
-            for name, column in self._columns
-            if -1 not in column.shape
-        }
-
-    def add(self, k: int, step: Step) -> None:
-        """Store control step k."""
-        for name, column in self._columns:
-            value = column.read(step)
-            if value is None:
-                continue
-            if name not in self._rows:
-                shape = (len(self._time), *np.shape(value))
-                self._rows[name] = np.full(shape, column.missing, column.type)
-            self._rows[name][k] = value
-
-    def finish(self, end: End) -> _Kind:
-        """Close the record with what is known at the end of the last step."""
-        finals = {name: column.read(end) for name, column in self._finals}
-        return self._kind(period=self._period, time=self._time, **self._rows, **finals)
 
 
 def save_flights(

@@ -50,6 +50,11 @@ def is_moving(reference: Reference) -> bool:
     return bool(np.any(rate) or np.any(torque))
 
 
+def is_fixed(reference: Reference) -> bool:
+    """Tell whether the rate and the torque of a reference are arrays that nobody can write to."""
+    return all(isinstance(each, np.ndarray) and not each.flags.writeable for each in reference[1:])
+
+
 def unreachable(reference: Reference, time_step: float) -> ParameterError:
     """Return the error that says why a reference cannot move as it is asked to."""
     return ParameterError(

@@ -55,6 +55,7 @@ from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import (
     Tracked,
     as_reference,
+    is_fixed,
     is_moving,
     motion_of,
     stacked,
@@ -184,6 +185,7 @@ class ShootingSolver:
         self._motion = x[7:]
         self._cold, self._warm = np.zeros((n, 6)), np.empty((n, 6))
         self._moved = False  # whether the last reference did
+        self._at_rest: Reference | None = None  # the last one that never will
         self._lock = Lock()
 
     def __reduce__(self) -> tuple[type[ShootingSolver], tuple[AttitudeOcp, str, ShootingOptions]]:
@@ -234,7 +236,11 @@ class ShootingSolver:
         guess, motion = self._cold, None
         if isinstance(reference, Reference):
             target = reference.attitude
-            motion = motion_of(reference) if is_moving(reference) else None
+            if reference is not self._at_rest:  # governors give the same one again
+                if is_moving(reference):
+                    motion = motion_of(reference)
+                elif is_fixed(reference):
+                    self._at_rest = reference
         try:
             plain = attitude.shape == target.shape == (3, 3) and momentum.shape == (3,)  # type: ignore[union-attr]
             plain = plain and attitude.dtype is momentum.dtype is target.dtype is FLOAT64  # type: ignore[union-attr]

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.loop import ClosedLoop, Trajectory
+from spacecraft_gnc.loop import ClosedLoop, Flight
 from spacecraft_gnc.loop.protocols import (
     Command,
     Controller,
@@ -117,7 +117,7 @@ class Flown(NamedTuple):
     """A flight, and what its commands and decisions took."""
 
     scenario: Scenario
-    trajectory: Trajectory
+    trajectory: Flight
     step_times: Array
     """(n,) median over the repeats of each command's time [s]."""
     decision_times: Array
@@ -179,7 +179,7 @@ def separation_deg(first: Array, second: Array) -> Array:
     return np.degrees(lie.angles_between(first, second))
 
 
-def apart_deg(first: Trajectory, second: Trajectory) -> Array:
+def apart_deg(first: Flight, second: Flight) -> Array:
     """Return (n + 1,) angles between the attitudes of two flights [deg], as far as both go."""
     n = min(first.n_steps, second.n_steps)
     return separation_deg(series.attitudes(first)[: n + 1], series.attitudes(second)[: n + 1])

@@ -16,7 +16,7 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
-from spacecraft_gnc.loop import Trajectory
+from spacecraft_gnc.loop import Flight
 from spacecraft_gnc.ocp import ShootingOptions, ShootingSolver
 from spacecraft_gnc.ocp.linearization import linearize
 from spacecraft_gnc.studies.flights import (
@@ -66,7 +66,7 @@ class Flights:
 
     by_case: dict[tuple[str, str], Flown] = field(default_factory=dict)
 
-    def of(self, case: str, method: str = FAST) -> Trajectory:
+    def of(self, case: str, method: str = FAST) -> Flight:
         """Return a flight."""
         return self.by_case[case, method].trajectory
 
@@ -89,7 +89,7 @@ def run(baselines: bool, progress: Progress) -> Report:
     return Report(NAME, TITLE, tables, checks, _values(flights), (flights,))
 
 
-def zone_constraint(trajectory: Trajectory) -> Array:
+def zone_constraint(trajectory: Flight) -> Array:
     """Return (n + 1,) H_1 of (30) with the printed figures; above 0 inside the zone."""
     return np.asarray(BETA + attitudes(trajectory)[:, :, 0] @ ZONE_AXIS)
 

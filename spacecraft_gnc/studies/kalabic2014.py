@@ -14,7 +14,7 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
-from spacecraft_gnc.loop import Trajectory
+from spacecraft_gnc.loop import Flight
 from spacecraft_gnc.studies.flights import Flown, Progress, fly
 from spacecraft_gnc.studies.report import Check, Report, Table, seconds, times
 from spacecraft_gnc.studies.speed import machine, machine_line
@@ -65,7 +65,7 @@ class Flights:
 
     by_name: dict[str, Flown] = field(default_factory=dict)
 
-    def of(self, name: str) -> Trajectory:
+    def of(self, name: str) -> Flight:
         """Return a flight."""
         return self.by_name[name].trajectory
 
@@ -86,28 +86,28 @@ def run(baselines: bool, progress: Progress) -> Report:
     return Report(NAME, TITLE, tables, checks, _values(flights), (flights,))
 
 
-def error_deg(flight: Trajectory) -> Array:
+def error_deg(flight: Flight) -> Array:
     """Return (n + 1,) angles from the target, the identity, to the attitude [deg]."""
     return np.degrees(lie.angles_between(series.attitudes(flight), np.eye(3)))
 
 
-def inclusion(flight: Trajectory) -> Array:
+def inclusion(flight: Flight) -> Array:
     """Return (n + 1,) C_33, the cosine that (33) bounds."""
     return series.attitudes(flight)[:, 2, 2]
 
 
-def first_time_admitted(flight: Trajectory) -> float:
+def first_time_admitted(flight: Flight) -> float:
     """Return the time at which the governor first admits the target itself [s]; NaN: never."""
     admitted = np.flatnonzero(flight.alpha == 1.0)
     return float(flight.time[admitted[0]]) if admitted.size else math.nan
 
 
-def _settled(flight: Trajectory, threshold: float) -> float:
+def _settled(flight: Flight, threshold: float) -> float:
     time = settle_time(series.state_times(flight), error_deg(flight), threshold)
     return math.nan if time is None else time
 
 
-def _largest_torque(flight: Trajectory) -> float:
+def _largest_torque(flight: Flight) -> float:
     return float(series.torque_norm(flight).max())
 
 

@@ -20,7 +20,7 @@ from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.prediction import Prediction
 from spacecraft_gnc.governors.search import GeodesicSearch
-from spacecraft_gnc.loop import ClosedLoop, Trajectory
+from spacecraft_gnc.loop import ClosedLoop, Flight
 from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.types import Array, Matrix3, State
 from spacecraft_gnc.vehicles.rigid_body.controllers.feedback.controller import FeedbackController
@@ -120,7 +120,7 @@ def time_flight(loop: ClosedLoop, repeats: int = 20) -> dict[str, Any]:
     """Time whole flights of a closed loop, and every solve in them but the first (cold) ones."""
     loop.run()
     flights, solves = np.empty(repeats), []
-    flight: Trajectory | None = None
+    flight: Flight | None = None
     for i in range(repeats):
         begun = perf_counter()
         flight = loop.run()

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from spacecraft_gnc.analysis.reader import Flight, read_flight
+from spacecraft_gnc.analysis.reader import RecordedRun, read_flight
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused
 
@@ -24,7 +24,7 @@ def kill(name: str) -> Any:
     return lambda launcher: os.kill(launcher._processes[name].pid, signal.SIGKILL)
 
 
-def assert_whole(flight: Flight, *, killed: bool = False) -> None:
+def assert_whole(flight: RecordedRun, *, killed: bool = False) -> None:
     """Nothing is missing but what was under way at the end.
 
     Where a node was killed, that is all that the recorder had not received: the end of a topic.

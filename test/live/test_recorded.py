@@ -15,7 +15,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.live import history
 from spacecraft_gnc.analysis.live.picture import Phase
 from spacecraft_gnc.analysis.live.recorded import RecordedFlight
-from spacecraft_gnc.analysis.reader import Flight
+from spacecraft_gnc.analysis.reader import RecordedRun
 from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.loop.protocols import Source
@@ -84,7 +84,7 @@ def test_what_was_not_recorded_is_not_made_up() -> None:
     attitude = flown.attitude.copy()
     attitude[0] = np.nan
     gap = replace(flown, attitude=attitude, alpha=np.full(len(flown.time), np.nan))
-    bare = without_scenario(Flight(gap, RunInfo(path=Path("gap"))))
+    bare = without_scenario(RecordedRun(gap, RunInfo(path=Path("gap"))))
     flight = RecordedFlight(bare, "gap", clock=Wall())
     shown = flight.picture().as_json()
     assert shown["attitude"] is None

@@ -11,7 +11,7 @@ from analysis.flights import case1, scenario
 
 from spacecraft_gnc.analysis.live.feed import PERIOD, Feed
 from spacecraft_gnc.analysis.live.recorded import RecordedFlight
-from spacecraft_gnc.analysis.reader import Flight
+from spacecraft_gnc.analysis.reader import RecordedRun
 from spacecraft_gnc.analysis.run_info import RunInfo
 
 PATIENCE = 60.0  # [s] wall: after this a test has failed
@@ -39,7 +39,7 @@ def recorded(wall, rate=1.0, trajectory=None, begun=True, **controller):
     """Return Case I, flown by CasADi and IPOPT, as a recording that begins to play at once."""
     flown = case1() if trajectory is None else trajectory
     info = RunInfo(path=Path("case1"), scenario=scenario(zones=ZONE, max_torque=0.01, **controller))
-    flight = RecordedFlight(Flight(flown, info), "case1", rate, wall)
+    flight = RecordedFlight(RecordedRun(flown, info), "case1", rate, wall)
     if begun:
         flight.transport.begin()
     return flight
@@ -47,7 +47,7 @@ def recorded(wall, rate=1.0, trajectory=None, begun=True, **controller):
 
 def without_scenario(flight):
     """Return a flight whose scenario was not recorded."""
-    return Flight(flight.trajectory, replace(flight.info, scenario=None))
+    return RecordedRun(flight.trajectory, replace(flight.info, scenario=None))
 
 
 class Stage:

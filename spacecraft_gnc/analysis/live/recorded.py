@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from typing_extensions import Self
 
-    from spacecraft_gnc.analysis.reader import Flight
+    from spacecraft_gnc.analysis.reader import RecordedRun
 
 
 class RecordedFlight:
@@ -45,7 +45,7 @@ class RecordedFlight:
 
     def __init__(
         self,
-        flight: Flight,
+        flight: RecordedRun,
         title: str,
         rate: float = 1.0,
         clock: Callable[[], float] = time.monotonic,

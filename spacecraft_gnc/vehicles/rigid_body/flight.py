@@ -3,32 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.loop.flight import Flight, Step, column, final
+from spacecraft_gnc.loop.flight import Flight, Moment, Step, column, final
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
+
+if TYPE_CHECKING:  # the solvers' kernels take long to import
+    from spacecraft_gnc.ocp.solution import Solution
 
 
-def _of_solve(name: str) -> Callable[[Step], Any]:
-    """Return what reads an attribute of the solve behind a command; None without a solve."""
-
-    def read(step: Step) -> Any:
-        solution = solution_of(step.command)
-        return None if solution is None else getattr(solution, name)
-
-    return read
+def _solution(step: Step) -> Solution | None:
+    report = step.command.report  # as `solution_of`, one call shorter
+    return None if report is None else report.solution
 
 
-def _external_torque(step: Step) -> Any:
-    """Return what disturbed the body over a step; None where no plant tells."""
-    return getattr(step.plant, "external_torque", None)
+def _external_torque(plant: Any) -> Any:
+    """Return what disturbed the body over a step; None where the plant does not tell."""
+    return getattr(plant, "external_torque", None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -65,56 +61,46 @@ class RigidBodyFlight(Flight):
         State at the end of the flight, and the last reference.
     """
 
-    attitude: Array = column(
-        lambda step: step.state.attitude, (3, 3), carried_by="attitude_state/attitude"
-    )
-    momentum: Array = column(
-        lambda step: step.state.momentum, (3,), carried_by="attitude_state/angular_momentum"
-    )
-    torque: Array = column(
-        lambda step: step.command.control, (3,), carried_by="torque_command/torque"
-    )
+    attitude: Array = column("state.attitude", (3, 3), carried_by="attitude_state/attitude")
+    momentum: Array = column("state.momentum", (3,), carried_by="attitude_state/angular_momentum")
+    torque: Array = column("command.control", (3,), carried_by="torque_command/torque")
     external_torque: Array = column(
-        _external_torque, (3,), carried_by="plant_invariants/external_torque"
+        _external_torque, (3,), carried_by="plant_invariants/external_torque", moment=Moment.OUTCOME
     )
     reference: Array = column(
-        lambda step: step.decision.reference.attitude,
-        (3, 3),
-        carried_by="attitude_reference/attitude",
+        "decision.reference.attitude", (3, 3), carried_by="attitude_reference/attitude"
     )
     reference_rate: Array = column(
-        lambda step: step.decision.reference.angular_velocity,
+        "decision.reference.angular_velocity",
         (3,),
         carried_by="attitude_reference/angular_velocity",
     )
     reference_torque: Array = column(
-        lambda step: step.decision.reference.torque, (3,), carried_by="attitude_reference/torque"
+        "decision.reference.torque", (3,), carried_by="attitude_reference/torque"
     )
-    target: Array = column(lambda step: step.target, (3, 3), carried_by="target_attitude/attitude")
+    target: Array = column("target", (3, 3), carried_by="target_attitude/attitude")
     iterations: NDArray[np.int64] = column(
-        _of_solve("iterations"), carried_by="solver_status/iterations", missing=0
+        "iterations", of=_solution, carried_by="solver_status/iterations", missing=0
     )
-    residual: Array = column(_of_solve("residual"), carried_by="solver_status/residual")
-    cost: Array = column(_of_solve("cost"), carried_by="solver_status/cost")
-    solve_time: Array = column(_of_solve("solve_time"), carried_by="solver_status/wall_solve_time")
+    residual: Array = column("residual", of=_solution, carried_by="solver_status/residual")
+    cost: Array = column("cost", of=_solution, carried_by="solver_status/cost")
+    solve_time: Array = column(
+        "solve_time", of=_solution, carried_by="solver_status/wall_solve_time"
+    )
     status: NDArray[np.int64] = column(
-        lambda step: step.command.status, carried_by="solver_status/status", missing=-1
+        "command.status", carried_by="solver_status/status", missing=-1
     )
     source: NDArray[np.int64] = column(
-        lambda step: step.command.source, carried_by="torque_command/source", missing=-1
+        "command.source", carried_by="torque_command/source", missing=-1
     )
-    alpha: Array = column(lambda step: step.decision.alpha, carried_by="governor_status/alpha")
-    governor_margin: Array = column(
-        lambda step: step.decision.margin, carried_by="governor_status/margin"
-    )
-    final_attitude: Array = final(
-        lambda end: end.state.attitude, (3, 3), carried_by="attitude_state/attitude"
-    )
+    alpha: Array = column("decision.alpha", carried_by="governor_status/alpha")
+    governor_margin: Array = column("decision.margin", carried_by="governor_status/margin")
+    final_attitude: Array = final("state.attitude", (3, 3), carried_by="attitude_state/attitude")
     final_momentum: Array = final(
-        lambda end: end.state.momentum, (3,), carried_by="attitude_state/angular_momentum"
+        "state.momentum", (3,), carried_by="attitude_state/angular_momentum"
     )
     final_reference: Array = final(
-        lambda end: end.reference.attitude, (3, 3), carried_by="attitude_reference/attitude"
+        "reference.attitude", (3, 3), carried_by="attitude_reference/attitude"
     )
 
     def __repr__(self) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
     from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
 
@@ -24,7 +24,7 @@ class Flown(Protocol):
         """(n + 1,) of the states [s]."""
 
     @property
-    def trajectory(self) -> Trajectory:
+    def trajectory(self) -> Flight:
         """What was flown."""
 
     @property

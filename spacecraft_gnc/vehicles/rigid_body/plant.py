@@ -78,6 +78,7 @@ class RigidBodyPlant:
         initial = State(0, as_rotation("attitude", attitude), as_vector3("momentum", momentum))
         body.require_solvable("momentum", initial.momentum)
         self.disturbances = Disturbances() if disturbances is None else disturbances
+        self._is_disturbed = bool(self.disturbances)
         self._initial = initial
         self._state, self._external = initial, _NO_TORQUE
 
@@ -124,7 +125,7 @@ class RigidBodyPlant:
         """
         k, attitude, momentum = self._state
         external = self._external
-        if self.disturbances:
+        if self._is_disturbed:
             external = self.disturbances.torque(*self._middle(torque))
             torque = torque + external
         attitude, momentum = self.body.step(attitude, momentum, torque, self.substeps)

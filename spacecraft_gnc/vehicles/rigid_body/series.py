@@ -17,7 +17,7 @@ from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.controllers.methods import (
         ControllerParameters,
         WeightParameters,
@@ -26,49 +26,49 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 
-def state_times(trajectory: Trajectory) -> Array:
+def state_times(trajectory: Flight) -> Array:
     """Return (n + 1,) times of the states [s]."""
     end = trajectory.time[-1] + trajectory.period
     return np.append(trajectory.time, end)
 
 
-def attitudes(trajectory: Trajectory) -> Array:
+def attitudes(trajectory: Flight) -> Array:
     """Return (n + 1, 3, 3) attitudes, body to inertial."""
     return np.concatenate([trajectory.attitude, trajectory.final_attitude[None]])
 
 
-def momenta(trajectory: Trajectory) -> Array:
+def momenta(trajectory: Flight) -> Array:
     """Return (n + 1, 3) angular momenta, body frame [N m s]."""
     return np.concatenate([trajectory.momentum, trajectory.final_momentum[None]])
 
 
-def references(trajectory: Trajectory) -> Array:
+def references(trajectory: Flight) -> Array:
     """Return (n + 1, 3, 3) reference attitudes, body to inertial."""
     return np.concatenate([trajectory.reference, trajectory.final_reference[None]])
 
 
-def attitude_error_deg(trajectory: Trajectory) -> Array:
+def attitude_error_deg(trajectory: Flight) -> Array:
     """Return (n + 1,) angles from reference to attitude [deg]."""
     return np.degrees(lie.angles_between(references(trajectory), attitudes(trajectory)))
 
 
-def is_disturbed(trajectory: Trajectory) -> bool:
+def is_disturbed(trajectory: Flight) -> bool:
     """Tell whether a disturbance acted, as far as it is known."""
     return bool((np.nan_to_num(trajectory.external_torque) != 0.0).any())
 
 
-def is_moving(trajectory: Trajectory) -> bool:
+def is_moving(trajectory: Flight) -> bool:
     """Tell whether the reference moved by itself, with a rate of its own."""
     return bool((np.nan_to_num(trajectory.reference_rate) != 0.0).any())
 
 
-def is_governed(trajectory: Trajectory) -> bool:
+def is_governed(trajectory: Flight) -> bool:
     """Tell whether a governor predicted, or held the reference back."""
     predicted = np.isfinite(trajectory.governor_margin).any()
     return bool(predicted or (trajectory.alpha < 1.0).any())
 
 
-def targets(trajectory: Trajectory) -> Array | None:
+def targets(trajectory: Flight) -> Array | None:
     """Return (n + 1, 3, 3) attitudes that a governed flight was meant for, body to inertial.
 
     None where no governor shaped the reference, or what it was asked for is not known.
@@ -78,7 +78,7 @@ def targets(trajectory: Trajectory) -> Array | None:
     return np.concatenate([trajectory.target, trajectory.target[-1:]])
 
 
-def settling_error_deg(trajectory: Trajectory) -> Array:
+def settling_error_deg(trajectory: Flight) -> Array:
     """Return (n + 1,) angles [deg] by which a flight is judged.
 
     To the target of each step where a governor moves the reference there, else to the reference.
@@ -89,7 +89,7 @@ def settling_error_deg(trajectory: Trajectory) -> Array:
     return np.degrees(lie.angles_between(aims, attitudes(trajectory)))
 
 
-def torque_limit(trajectory: Trajectory, scenario: Scenario | None) -> float:
+def torque_limit(trajectory: Flight, scenario: Scenario | None) -> float:
     """Return the limit on the norm of the torque [N m]; 0: none, or not known.
 
     The controller's; where it has none, that of the governor in front of it.
@@ -100,12 +100,12 @@ def torque_limit(trajectory: Trajectory, scenario: Scenario | None) -> float:
     return scenario.controller.max_torque or governors
 
 
-def torque_norm(trajectory: Trajectory) -> Array:
+def torque_norm(trajectory: Flight) -> Array:
     """Return (n,) norms of the torque [N m]."""
     return np.asarray(np.linalg.norm(trajectory.torque, axis=1))
 
 
-def unconverged(trajectory: Trajectory) -> NDArray[np.bool_]:
+def unconverged(trajectory: Flight) -> NDArray[np.bool_]:
     """Tell of the (n,) steps whether their solve failed; at a standstill it did not."""
     status = trajectory.status
     return np.asarray((status > 0) & (status != Status.STALLED) & (status != Status.ESCAPING))
@@ -124,7 +124,7 @@ def solve_deadline(scenario: Scenario | None) -> tuple[float, str]:
     return scenario.period, f"control period {1e3 * scenario.period:.4g} ms"
 
 
-def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:
+def zone_margin_deg(trajectory: Flight, zone: ZoneParameters) -> Array:
     """Return (n + 1,) angles left to the border of a pointing zone, negative inside it [deg].
 
     For an inclusion zone the admissible side is the inside, and the margin is negative outside.
@@ -133,7 +133,7 @@ def zone_margin_deg(trajectory: Trajectory, zone: ZoneParameters) -> Array:
 
 
 def stage_costs(
-    trajectory: Trajectory,
+    trajectory: Flight,
     weights: WeightParameters,
     actuators: Array | None = None,
     inertia: Array | None = None,
@@ -165,7 +165,7 @@ def stage_costs(
     return np.asarray(0.5 * trajectory.period * (attitude_term + momentum_term + torque_term))
 
 
-def terminal_set_stage_costs(trajectory: Trajectory, controller: ControllerParameters) -> Array:
+def terminal_set_stage_costs(trajectory: Flight, controller: ControllerParameters) -> Array:
     """Return (n,) stage costs of ``method: terminal_set``, to the reference attitude.
 
     lambda L_k = lambda (tr(Q1 (I - C_k)) + tr(Q2 (I - F_k)) / h^2 + T_k . M T_k / 2)

@@ -15,7 +15,7 @@ from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.recording.bag import Bag
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
@@ -24,7 +24,7 @@ _PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques"
 
 @dataclass(frozen=True, slots=True)
 class Telemetry:
-    """Arrays beside a `Trajectory` of n steps; NaN where a value is not known.
+    """Arrays beside a `Flight` of n steps; NaN where a value is not known.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Telemetry:
 
 
 def read_telemetry(
-    bag: Bag, namespace: str | None, trajectory: Trajectory, scenario: Scenario | None = None
+    bag: Bag, namespace: str | None, trajectory: Flight, scenario: Scenario | None = None
 ) -> Telemetry:
     """Read what the bag of a flight holds beside its trajectory.
 
@@ -90,7 +90,7 @@ def read_telemetry(
     )
 
 
-def computed(trajectory: Trajectory, scenario: Scenario | None = None) -> Telemetry:
+def computed(trajectory: Flight, scenario: Scenario | None = None) -> Telemetry:
     """Return the telemetry that a trajectory alone gives: the invariants of its states."""
     unknown = np.full(trajectory.n_steps, math.nan)
     attitudes, momenta = series.attitudes(trajectory), series.momenta(trajectory)

@@ -49,46 +49,36 @@ class WheelFlight(Flight):
         State at the end of the flight.
     """
 
-    attitude: Array = column(
-        lambda step: step.state.attitude, (3, 3), carried_by="wheel_state/attitude"
-    )
+    attitude: Array = column("state.attitude", (3, 3), carried_by="wheel_state/attitude")
     angular_velocity: Array = column(
-        lambda step: step.state.angular_velocity, (3,), carried_by="wheel_state/angular_velocity"
+        "state.angular_velocity", (3,), carried_by="wheel_state/angular_velocity"
     )
     euler_321: Array = column(lambda step: to_euler_321(step.state.attitude), (3,))
-    wheel_speed: Array = column(
-        lambda step: step.state.wheel_speed, (-1,), carried_by="wheel_state/wheel_speed"
-    )
+    wheel_speed: Array = column("state.wheel_speed", (-1,), carried_by="wheel_state/wheel_speed")
     wheel_acceleration: Array = column(
-        lambda step: step.command.control, (-1,), carried_by="wheel_command/acceleration"
+        "command.control", (-1,), carried_by="wheel_command/acceleration"
     )
     total_momentum: Array = column(
-        lambda step: step.state.total_momentum, (3,), carried_by="wheel_state/total_momentum"
+        "state.total_momentum", (3,), carried_by="wheel_state/total_momentum"
     )
     healthy: NDArray[Any] = column(
-        lambda step: step.state.healthy, (-1,), carried_by="wheel_state/healthy", missing=True
+        "state.healthy", (-1,), carried_by="wheel_state/healthy", missing=True
     )
     reference: Array = column(
-        lambda step: step.decision.reference.attitude,
-        (3, 3),
-        carried_by="attitude_reference/attitude",
+        "decision.reference.attitude", (3, 3), carried_by="attitude_reference/attitude"
     )
-    target: Array = column(lambda step: step.target, (3, 3), carried_by="target_attitude/attitude")
-    status: NDArray[Any] = column(lambda step: step.command.status, missing=-1)
-    source: NDArray[Any] = column(
-        lambda step: step.command.source, carried_by="wheel_command/source", missing=-1
-    )
+    target: Array = column("target", (3, 3), carried_by="target_attitude/attitude")
+    status: NDArray[Any] = column("command.status", missing=-1)
+    source: NDArray[Any] = column("command.source", carried_by="wheel_command/source", missing=-1)
     iterations: NDArray[Any] = column(_reported("iterations"), missing=0)
     residual: Array = column(_reported("residual"))
     solve_time: Array = column(_reported("solve_time"))
-    final_attitude: Array = final(
-        lambda end: end.state.attitude, (3, 3), carried_by="wheel_state/attitude"
-    )
+    final_attitude: Array = final("state.attitude", (3, 3), carried_by="wheel_state/attitude")
     final_angular_velocity: Array = final(
-        lambda end: end.state.angular_velocity, (3,), carried_by="wheel_state/angular_velocity"
+        "state.angular_velocity", (3,), carried_by="wheel_state/angular_velocity"
     )
     final_wheel_speed: Array = final(
-        lambda end: end.state.wheel_speed, (-1,), carried_by="wheel_state/wheel_speed"
+        "state.wheel_speed", (-1,), carried_by="wheel_state/wheel_speed"
     )
 
     def __repr__(self) -> str:

@@ -37,7 +37,7 @@ from spacecraft_gnc.ocp import (
 from spacecraft_gnc.ocp.reference import Tracked
 from spacecraft_gnc.types import Array, ArrayLike
 from spacecraft_gnc.vehicles.rigid_body.controllers.ladder import FallbackLadder
-from spacecraft_gnc.vehicles.rigid_body.controllers.report import SolveReport, solution_of
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import SolveReport
 from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import StandstillMonitor
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 from spacecraft_gnc.vehicles.rigid_body.zones import zones_of
@@ -113,8 +113,8 @@ class SolverController:
 
     def command(self, state: State, reference: Reference) -> Command:
         """Solve from ``state`` and return the torque of the highest rung of the ladder."""
-        command = self._ladder.command(state, reference, self._solve(state, reference))
-        solution = solution_of(command)
+        solution = self._solve(state, reference)
+        command = self._ladder.command(state, reference, solution)
         if self._monitor is None or solution is None or command.source is not Source.OPTIMAL:
             return command
         finding = self._monitor.examine(solution)

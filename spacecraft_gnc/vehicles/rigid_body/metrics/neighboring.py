@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from spacecraft_gnc.loop.protocols import Reference, Source
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 
-def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+def neighboring_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, Any]:
     """Return the hit rate, and the largest error against the full re-solve.
 
     Parameters
@@ -54,7 +54,7 @@ def neighboring_metrics(trajectory: Trajectory, scenario: Scenario | None) -> di
     return {"neighboring_share": share, "neighboring_error": error}
 
 
-def _recorded(trajectory: Trajectory) -> NDArray[np.bool_]:
+def _recorded(trajectory: Flight) -> NDArray[np.bool_]:
     """Tell of the (n,) steps whether what their problem starts from was recorded."""
     n = trajectory.n_steps
     given = (trajectory.attitude.reshape(n, 9), trajectory.reference.reshape(n, 9))

@@ -19,7 +19,7 @@ from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
 from spacecraft_gnc.vehicles.rigid_body.metrics.neighboring import neighboring_metrics
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
@@ -28,7 +28,7 @@ _SATURATION = 1.0 - 1e-6  # share of the limit: the penalty lets the norm end ju
 _SAME_ATTITUDE = 1e-9  # largest difference of entries
 
 
-def summarize(trajectory: Trajectory, scenario: Scenario | None = None) -> dict[str, Any]:
+def summarize(trajectory: Flight, scenario: Scenario | None = None) -> dict[str, Any]:
     """Return the metrics of a trajectory, ready for JSON.
 
     Parameters
@@ -102,14 +102,14 @@ def settle_time(times: Array, error: Array, threshold: float) -> float | None:
     return float(times[first]) if first < times.size else None
 
 
-def _limit_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+def _limit_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, Any]:
     if scenario is None:
         return {"limits_exceeded": []}
     states = series.attitudes(trajectory), series.momenta(trajectory)
     return {"limits_exceeded": as_dicts(limits_exceeded(scenario, *states, trajectory.torque))}
 
 
-def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:
+def _attitude_metrics(trajectory: Flight) -> dict[str, Any]:
     times = series.state_times(trajectory)
     error = series.settling_error_deg(trajectory)
     settled = {
@@ -123,7 +123,7 @@ def _attitude_metrics(trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def _governor_metrics(trajectory: Trajectory) -> dict[str, Any]:
+def _governor_metrics(trajectory: Flight) -> dict[str, Any]:
     aims = series.targets(trajectory)
     margins = trajectory.governor_margin[np.isfinite(trajectory.governor_margin)]
     return {
@@ -135,7 +135,7 @@ def _governor_metrics(trajectory: Trajectory) -> dict[str, Any]:
     }
 
 
-def _off_target(trajectory: Trajectory, targets: Array) -> float | None:
+def _off_target(trajectory: Flight, targets: Array) -> float | None:
     """Return the angle from the last reference to the last target [deg]."""
     last = trajectory.final_reference
     if not np.isfinite(last).all():
@@ -143,7 +143,7 @@ def _off_target(trajectory: Trajectory, targets: Array) -> float | None:
     return math.degrees(lie.angle_between(last, targets[-1]))
 
 
-def _alpha_one_time(trajectory: Trajectory, targets: Array) -> float | None:
+def _alpha_one_time(trajectory: Flight, targets: Array) -> float | None:
     """Return the time from which on the reference is the target, and alpha 1 [s]."""
     off = np.abs(trajectory.reference - targets[:-1]).max(axis=(1, 2))
     there = (trajectory.alpha == 1.0) & (off < _SAME_ATTITUDE)
@@ -152,7 +152,7 @@ def _alpha_one_time(trajectory: Trajectory, targets: Array) -> float | None:
     return settle_time(trajectory.time, away, 0.5)
 
 
-def _torque_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+def _torque_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, Any]:
     norm = series.torque_norm(trajectory)
     limit = series.torque_limit(trajectory, scenario)
     cost = None
@@ -166,7 +166,7 @@ def _torque_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[s
     }
 
 
-def _stage_costs(trajectory: Trajectory, scenario: Scenario) -> Array:
+def _stage_costs(trajectory: Flight, scenario: Scenario) -> Array:
     controller = scenario.controller
     if "weights.stage_rate" in scenario.method.reads:
         return series.terminal_set_stage_costs(trajectory, controller)
@@ -175,9 +175,7 @@ def _stage_costs(trajectory: Trajectory, scenario: Scenario) -> Array:
     )
 
 
-def _zone_metrics(
-    trajectory: Trajectory, controller: ControllerParameters | None
-) -> dict[str, Any]:
+def _zone_metrics(trajectory: Flight, controller: ControllerParameters | None) -> dict[str, Any]:
     zones = controller.zones if controller is not None else ()
     margins = {
         zone.name: _number(-_largest(-series.zone_margin_deg(trajectory, zone))) for zone in zones
@@ -186,7 +184,7 @@ def _zone_metrics(
     return {"min_zone_margin_deg": min(known, default=None), "zone_margin_deg": margins}
 
 
-def _solver_metrics(trajectory: Trajectory, scenario: Scenario | None) -> dict[str, Any]:
+def _solver_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, Any]:
     source = trajectory.source
     if scenario is not None:  # a reader did so already, unless the file held none
         source = scenario.method.current_sources(source)

@@ -12,7 +12,7 @@ from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
@@ -60,9 +60,7 @@ class AnimatedRun(NamedTuple):
         return float(np.nanmin(flown)), self.zones[int(zone)].name
 
 
-def animated_run(
-    name: str, flight: Trajectory, scenario: Scenario | None, index: int
-) -> AnimatedRun:
+def animated_run(name: str, flight: Flight, scenario: Scenario | None, index: int) -> AnimatedRun:
     """Return what is shown of the flight that stands at a place, from 0."""
     zones = scenario.controller.zones if scenario is not None else ()
     times = series.state_times(flight)

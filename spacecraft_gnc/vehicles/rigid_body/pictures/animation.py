@@ -17,7 +17,7 @@ from spacecraft_gnc.vehicles.rigid_body.pictures._animated_run import AnimatedRu
 from spacecraft_gnc.vehicles.rigid_body.pictures._scene import Scene
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 FRAMES: Final = 76
@@ -29,14 +29,14 @@ _WHITE: Final = 255  # place of white in the palette, behind all other colors
 
 
 def save_animation(
-    flights: Mapping[str, tuple[Trajectory, Scenario | None]], path: Path, *, title: str = ""
+    flights: Mapping[str, tuple[Flight, Scenario | None]], path: Path, *, title: str = ""
 ) -> None:
     """Write the moving picture of flights, which starts again at its end, in one step.
 
     Parameters
     ----------
     flights
-        Trajectory and scenario by name, three at the most; the scenario gives the torque limit and
+        Flight and scenario by name, three at the most; the scenario gives the torque limit and
         the pointing zones with the axes of the instruments.
     path
         The .gif file.

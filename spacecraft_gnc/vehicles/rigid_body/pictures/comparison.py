@@ -20,19 +20,19 @@ from spacecraft_gnc.vehicles.rigid_body.pictures.figures import single
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 
 def comparison_makers(
-    runs: Mapping[str, tuple[Trajectory, Scenario | None]], *, error_scale: str = "log"
+    runs: Mapping[str, tuple[Flight, Scenario | None]], *, error_scale: str = "log"
 ) -> dict[str, Maker]:
     """Return what draws the figures of several flights over each other, by name.
 
     Parameters
     ----------
     runs
-        Trajectory and scenario by name.
+        Flight and scenario by name.
     error_scale
         ``log`` or ``linear``, for the attitude error.
     """
@@ -66,13 +66,13 @@ def comparison_makers(
     return makers
 
 
-def _iterations(trajectory: Trajectory) -> Array:
+def _iterations(trajectory: Flight) -> Array:
     """Return (n,) iterations; NaN without a solve."""
     return np.where(trajectory.status >= 0, trajectory.iterations, math.nan)
 
 
 def _over_time(
-    flights: Mapping[str, Trajectory],
+    flights: Mapping[str, Flight],
     values: Mapping[str, Array],
     title: str,
     label: str,

@@ -18,7 +18,7 @@ from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
 from spacecraft_gnc.vehicles.rigid_body.pictures import telemetry as telemetry_panels
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
     from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
 
@@ -29,7 +29,7 @@ _TRIPLE: Final = (6.3, 7.4)  # [inch]
 
 
 def flight_figures(
-    trajectory: Trajectory,
+    trajectory: Flight,
     scenario: Scenario | None = None,
     *,
     title: str = "",
@@ -58,7 +58,7 @@ def flight_figures(
 
 
 def flight_makers(
-    trajectory: Trajectory,
+    trajectory: Flight,
     scenario: Scenario | None = None,
     *,
     title: str = "",
@@ -127,7 +127,7 @@ def _overview(draw: Mapping[str, Draw], title: str) -> Figure:
 
 
 def record_makers(
-    trajectory: Trajectory, telemetry: Telemetry, scenario: Scenario | None = None
+    trajectory: Flight, telemetry: Telemetry, scenario: Scenario | None = None
 ) -> dict[str, Maker]:
     """Return what draws each figure of a recording.
 

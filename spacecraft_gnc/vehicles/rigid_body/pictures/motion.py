@@ -22,14 +22,14 @@ from spacecraft_gnc.vehicles.rigid_body.metrics.summary import SETTLE_THRESHOLDS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 _COMPONENTS = "xyz"
 _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale hides the median
 
 
-def attitude_error(axes: Axes, trajectory: Trajectory, *, scale: str = "log") -> None:
+def attitude_error(axes: Axes, trajectory: Flight, *, scale: str = "log") -> None:
     """Draw the angle from reference to attitude, and when it settles below each threshold.
 
     Where a governor shapes the reference, what settles is the angle to the target; that to the
@@ -91,7 +91,7 @@ def _label_settling(axes: Axes, time: float, threshold: float) -> None:
     )
 
 
-def tracking(axes: Axes, trajectory: Trajectory) -> None:
+def tracking(axes: Axes, trajectory: Flight) -> None:
     """Draw the attitude as quaternion, and the moving reference as broad bands beneath it."""
     times = series.state_times(trajectory)
     wanted = forms.quaternions_xyzw(series.references(trajectory))
@@ -106,7 +106,7 @@ def tracking(axes: Axes, trajectory: Trajectory) -> None:
     legend(axes, 4)
 
 
-def momentum(axes: Axes, trajectory: Trajectory) -> None:
+def momentum(axes: Axes, trajectory: Flight) -> None:
     """Draw the components of the angular momentum."""
     times, values = series.state_times(trajectory), series.momenta(trajectory)
     unit = style.prefixed("N m s", values)
@@ -116,19 +116,19 @@ def momentum(axes: Axes, trajectory: Trajectory) -> None:
     legend(axes, 3)
 
 
-def torque_components(axes: Axes, trajectory: Trajectory) -> None:
+def torque_components(axes: Axes, trajectory: Flight) -> None:
     """Draw the components of the torque, each value held for one control period."""
     _held_components(axes, trajectory, trajectory.torque, "u", "Torque, body frame")
 
 
-def external_torque(axes: Axes, trajectory: Trajectory) -> None:
+def external_torque(axes: Axes, trajectory: Flight) -> None:
     """Draw the components of the sum of the disturbances, likewise."""
     values = trajectory.external_torque
     _held_components(axes, trajectory, values, "d", "External torque, body frame")
 
 
 def _held_components(
-    axes: Axes, trajectory: Trajectory, torque: Array, letter: str, title: str
+    axes: Axes, trajectory: Flight, torque: Array, letter: str, title: str
 ) -> None:
     times, values = _held(trajectory, torque)
     unit = style.prefixed("N m", values)
@@ -139,7 +139,7 @@ def _held_components(
     legend(axes, 3)
 
 
-def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) -> None:
+def torque_norm(axes: Axes, trajectory: Flight, limit: float | None = None) -> None:
     """Draw the norm of the torque with its limit [N m]."""
     times, values = _held(trajectory, series.torque_norm(trajectory))
     unit = style.prefixed("N m", values, np.array([limit or 0.0]))
@@ -153,7 +153,7 @@ def torque_norm(axes: Axes, trajectory: Trajectory, limit: float | None = None) 
     legend(axes, 2)
 
 
-def alpha(axes: Axes, trajectory: Trajectory) -> None:
+def alpha(axes: Axes, trajectory: Flight) -> None:
     """Draw the share of the way that the governor allowed, and the way that is left."""
     times, colour = series.state_times(trajectory), style.AXIS_COLOURS[0]
     # Dots: alpha may be 0 at every other step, which a line would fill in.
@@ -174,7 +174,7 @@ def alpha(axes: Axes, trajectory: Trajectory) -> None:
         legend(axes, 2)
 
 
-def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters, ...]) -> None:
+def zone_margins(axes: Axes, trajectory: Flight, zones: tuple[ZoneParameters, ...]) -> None:
     """Draw the angle left to the border of each pointing zone."""
     times = series.state_times(trajectory)
     for i, zone in enumerate(zones):
@@ -185,7 +185,7 @@ def zone_margins(axes: Axes, trajectory: Trajectory, zones: tuple[ZoneParameters
     legend(axes, 3)
 
 
-def iterations(axes: Axes, trajectory: Trajectory) -> None:
+def iterations(axes: Axes, trajectory: Flight) -> None:
     """Draw the iterations of each solve; those that did not converge are marked."""
     solved = trajectory.status >= 0
     failed = series.unconverged(trajectory)
@@ -206,7 +206,7 @@ def iterations(axes: Axes, trajectory: Trajectory) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
 
 
-def solve_time(axes: Axes, trajectory: Trajectory) -> None:
+def solve_time(axes: Axes, trajectory: Flight) -> None:
     """Draw the wall-clock time of each solve."""
     unit = style.prefixed("s", trajectory.solve_time)
     values = unit.factor * trajectory.solve_time
@@ -222,7 +222,7 @@ def solve_time(axes: Axes, trajectory: Trajectory) -> None:
 
 def attitude_sphere(
     axes: Axes,
-    trajectory: Trajectory,
+    trajectory: Flight,
     zones: tuple[ZoneParameters, ...] = (),
     view: sphere.View | None = None,
 ) -> None:
@@ -277,6 +277,6 @@ def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:
     )
 
 
-def _held(trajectory: Trajectory, values: Array) -> tuple[Array, Array]:
+def _held(trajectory: Flight, values: Array) -> tuple[Array, Array]:
     """Return times and values with the last value repeated at the end of its control period."""
     return series.state_times(trajectory), np.concatenate([values, values[-1:]])

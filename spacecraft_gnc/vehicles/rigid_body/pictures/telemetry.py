@@ -29,14 +29,14 @@ from spacecraft_gnc.vehicles.rigid_body import series
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
 
 _BINS: Final = 40
 _WIDTH: Final = 1.4  # of the line of a limit
 
 
-def representation(axes: Axes, trajectory: Trajectory, form: forms.Representation) -> None:
+def representation(axes: Axes, trajectory: Flight, form: forms.Representation) -> None:
     """Draw the attitude as quaternion, roll-pitch-yaw or rotation vector."""
     values = forms.values(form, series.attitudes(trajectory))
     components(axes, series.state_times(trajectory), values, form.components)
@@ -48,7 +48,7 @@ def representation(axes: Axes, trajectory: Trajectory, form: forms.Representatio
     )
 
 
-def inertial_momentum(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
+def inertial_momentum(axes: Axes, trajectory: Flight, telemetry: Telemetry) -> None:
     """Draw the components of the angular momentum in the inertial frame."""
     unit = style.prefixed("N m s", telemetry.inertial_momentum)
     values = unit.factor * telemetry.inertial_momentum
@@ -68,7 +68,7 @@ def components(axes: Axes, times: Array, values: Array, names: Sequence[str]) ->
     legend(axes, len(names))
 
 
-def kinetic_energy(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
+def kinetic_energy(axes: Axes, trajectory: Flight, telemetry: Telemetry) -> None:
     """Draw the rotational energy."""
     unit = style.prefixed("J", telemetry.kinetic_energy)
     times, values = series.state_times(trajectory), unit.factor * telemetry.kinetic_energy
@@ -77,14 +77,14 @@ def kinetic_energy(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> 
     frame(axes, series.state_times(trajectory), "Kinetic energy", f"energy [{unit.label}]")
 
 
-def orthogonality(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
+def orthogonality(axes: Axes, trajectory: Flight, telemetry: Telemetry) -> None:
     """Draw how far the recorded attitudes are from a rotation."""
     axes.plot(series.state_times(trajectory), telemetry.orthogonality_error, color=style.INK)
     logarithmic(axes, telemetry.orthogonality_error)
     frame(axes, series.state_times(trajectory), "Orthogonality of the attitude", "|RᵀR - I| [-]")
 
 
-def residual(axes: Axes, trajectory: Trajectory, tolerance: float | None = None) -> None:
+def residual(axes: Axes, trajectory: Flight, tolerance: float | None = None) -> None:
     """Draw the residual of the optimality conditions, with the solver's tolerance."""
     axes.plot(trajectory.time, trajectory.residual, color=style.INK, label="residual")
     logarithmic(axes, trajectory.residual)
@@ -100,7 +100,7 @@ def residual(axes: Axes, trajectory: Trajectory, tolerance: float | None = None)
     )
 
 
-def curvature(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
+def curvature(axes: Axes, trajectory: Flight, telemetry: Telemetry) -> None:
     """Draw the smallest eigenvalue of the reduced Hessian."""
     axes.plot(trajectory.time, telemetry.min_curvature, color=style.INK)
     axes.margins(y=0.08)
@@ -113,7 +113,7 @@ def curvature(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
     )
 
 
-def radius(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
+def radius(axes: Axes, trajectory: Flight, telemetry: Telemetry) -> None:
     """Draw the spectral radius of the closed loop at its standstills."""
     colour = style.AXIS_COLOURS[0]
     axes.plot(trajectory.time, telemetry.closed_loop_radius, ".-", color=colour, label="radius")
@@ -129,7 +129,7 @@ def radius(axes: Axes, trajectory: Trajectory, telemetry: Telemetry) -> None:
     )
 
 
-def governor_margin(axes: Axes, trajectory: Trajectory) -> None:
+def governor_margin(axes: Axes, trajectory: Flight) -> None:
     """Draw the smallest margin of each prediction of the governor."""
     margin = np.where(np.isfinite(trajectory.governor_margin), trajectory.governor_margin, math.nan)
     axes.step(trajectory.time, margin, where="post", color=style.INK, label="margin")
@@ -159,7 +159,7 @@ def solve_times(axes: Axes, runs: Mapping[str, Array], deadline: tuple[float, st
     legend(axes, 2) if len(known) == 1 else legend_below(axes)
 
 
-def sources(axes: Axes, runs: Mapping[str, Trajectory]) -> None:
+def sources(axes: Axes, runs: Mapping[str, Flight]) -> None:
     """Draw where the torque came from as a band for each run."""
     seen = set()
     for row, trajectory in enumerate(runs.values()):

@@ -20,7 +20,7 @@ from spacecraft_gnc.vehicles.rigid_body.scenario import reservation
 from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry, computed, read_telemetry
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.recording.bag import Bag
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
@@ -40,7 +40,7 @@ class RigidBodyReport:
 
     def telemetry(
         self,
-        flight: Trajectory,
+        flight: Flight,
         scenario: Scenario | None,
         bag: Bag | None,
         namespace: str | None = None,

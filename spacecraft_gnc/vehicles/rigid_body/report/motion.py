@@ -38,7 +38,7 @@ from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
 
 
 def motion_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
@@ -95,7 +95,7 @@ def _tracking(runs: Sequence[Flown], points: int) -> Chart:
     return Chart("tracking", "Tracking", note, over_time(runs, traces, axis("angle [deg]")))
 
 
-def _turned(attitudes: Callable[[Trajectory], Array]) -> Callable[[Flown], Array]:
+def _turned(attitudes: Callable[[Flight], Array]) -> Callable[[Flown], Array]:
     def angle(run: Flown) -> Array:
         first = run.trajectory.reference[:1]
         turned = attitudes(run.trajectory)

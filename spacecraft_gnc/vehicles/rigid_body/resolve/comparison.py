@@ -11,7 +11,7 @@ from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.metrics.summary import summarize
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.resolve.replay import Resolved
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
@@ -103,7 +103,7 @@ def _penalty_metrics(resolved: Resolved) -> dict[str, Any]:
     return plain | dict(zip(_OF_A_PENALTY, found, strict=True))
 
 
-def _side(trajectory: Trajectory, scenario: Scenario) -> dict[str, Any]:
+def _side(trajectory: Flight, scenario: Scenario) -> dict[str, Any]:
     metrics = summarize(trajectory, scenario)
     residual = trajectory.residual[np.isfinite(trajectory.residual)]
     return {

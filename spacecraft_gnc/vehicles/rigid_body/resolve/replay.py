@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.loop.flight import End, FlightLog, Step
+from spacecraft_gnc.loop.flight import End, Step
+from spacecraft_gnc.loop.flight_log import FlightLog
 from spacecraft_gnc.loop.protocols import Controller, GovernorDecision, Reference, State
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
@@ -23,7 +24,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 from spacecraft_gnc.vehicles.rigid_body.resolve.prices import Price, Pricing
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.loop.trajectory import Trajectory
+    from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 Progress = Callable[[int, int], None]
@@ -34,9 +35,9 @@ class Resolved(NamedTuple):
 
     steps: NDArray[np.int64]
     """(m,) control steps compared; those without a recorded state, reference or torque are not."""
-    recorded: Trajectory
+    recorded: Flight
     """(m,) rows as they flew."""
-    replayed: Trajectory
+    replayed: Flight
     """The same states and references with the torques and solves of the other controller."""
     prices: tuple[tuple[Price, Price], ...]
     """(m) what each recorded plan and each new one costs by the recorded problem."""
@@ -68,7 +69,7 @@ class Resolved(NamedTuple):
 
 
 def resolve(
-    flight: Trajectory,
+    flight: Flight,
     recorded: Scenario,
     revised: Scenario,
     *,
@@ -124,7 +125,7 @@ def resolve(
     return Resolved(chosen, excerpt, replayed, tuple(prices))
 
 
-def _require_period(controller: Controller[Any, Any], flight: Trajectory) -> None:
+def _require_period(controller: Controller[Any, Any], flight: Flight) -> None:
     if not math.isclose(controller.period, flight.period, rel_tol=1e-9):
         raise ParameterError(
             f"nmpc_controller.time_step: received {controller.period:g} s; required the period of "
@@ -132,7 +133,7 @@ def _require_period(controller: Controller[Any, Any], flight: Trajectory) -> Non
         )
 
 
-def _complete(flight: Trajectory, first: int, end: int) -> NDArray[np.int64]:
+def _complete(flight: Flight, first: int, end: int) -> NDArray[np.int64]:
     """Return the steps from ``first`` to before ``end`` whose messages were all recorded."""
     n = flight.n_steps
     if not 0 <= first < end <= n:
@@ -151,7 +152,7 @@ def _complete(flight: Trajectory, first: int, end: int) -> NDArray[np.int64]:
     return steps
 
 
-def _recorded(flight: Trajectory, k: int) -> tuple[State, GovernorDecision]:
+def _recorded(flight: Flight, k: int) -> tuple[State, GovernorDecision]:
     """Return what the controller was given at step ``k``."""
     state = State(k, flight.attitude[k], flight.momentum[k])
     feedforward = flight.reference_rate[k], flight.reference_torque[k]
@@ -160,7 +161,7 @@ def _recorded(flight: Trajectory, k: int) -> tuple[State, GovernorDecision]:
     return state, GovernorDecision(reference, alpha, True, margin, "", 0)
 
 
-def _excerpt(flight: Trajectory, steps: NDArray[np.int64]) -> Trajectory:
+def _excerpt(flight: Flight, steps: NDArray[np.int64]) -> Flight:
     """Return the rows of ``steps``; what follows the last of them is its end."""
     n, after = flight.n_steps, int(steps[-1]) + 1
     rows = {
