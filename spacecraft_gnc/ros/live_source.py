@@ -69,6 +69,7 @@ class LiveSource:
         self.history = History()
         self._subscriptions: list[Any] = []
         self._look_at, self._publishers = -math.inf, 0
+        self._vehicles = vehicles_by_state()  # once: it reads what is installed
         self._join(vehicle_of(DEFAULT_VEHICLE))
         self._reader = SetupReader(view.node, space)
 
@@ -159,7 +160,7 @@ class LiveSource:
 
     def _find_vehicle(self) -> None:
         """Join the vehicle whose state somebody publishes; none yet: whichever is joined."""
-        for state, vehicle in vehicles_by_state().items():
+        for state, vehicle in self._vehicles.items():
             if found := len(self._view.publishers(f"{self._prefix}{state}")):
                 self._publishers = found
                 self._join(vehicle)

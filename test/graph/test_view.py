@@ -169,5 +169,5 @@ def test_on_a_terminal_it_is_a_dashboard_that_ctrl_c_ends(graph: Any, at: Any) -
     text = b"".join(seen).decode(errors="replace")
     assert "\x1b[" in text
     assert "flying" in text
-    assert "error to target" in text
+    assert "error to reference" in text
     assert "Traceback" not in text
