@@ -64,7 +64,7 @@ def test_a_flight_that_is_not(tampered, capsys):
     assert "first at step 5: torque_command.torque[0]" in out
     assert err == (
         f"error: {tampered}: the first difference is at step 5, torque_command.torque[0] (command "
-        "= first torque of the plan); required bit for bit; 2 of 41 checks failed\n"
+        "= first torque of the plan); required bit for bit; 2 of 42 checks failed\n"
     )
 
 
