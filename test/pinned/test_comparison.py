@@ -91,12 +91,12 @@ def test_values_of_commands_are_compared_on_the_same_machine_only() -> None:
 def test_a_new_field_leaves_the_others_pinned() -> None:
     found = copy.deepcopy(pinned("recorded"))
     topic = found["topics"]["/plant_invariants"]
-    topic["fields"]["external_torque.x"] = records.of_array(np.zeros(376))
+    topic["fields"]["sun_torque.x"] = records.of_array(np.zeros(376))
     topic["payloads"] = "another"
     assert flights.differences(CASE_1, pinned("recorded"), found) == [
-        f"{CASE_1}: /plant_invariants external_torque.x: not pinned"
+        f"{CASE_1}: /plant_invariants sun_torque.x: not pinned"
     ]
-    del topic["fields"]["external_torque.x"]
+    del topic["fields"]["sun_torque.x"]
     assert flights.differences(CASE_1, pinned("recorded"), found) == [
         f"{CASE_1}: /plant_invariants: payloads differ though no field does: their layout"
     ]
