@@ -59,8 +59,10 @@ def _each_step(evidence: Evidence, ledger: Ledger, topic: Signal, held: NDArray[
 
 def _is_expected(evidence: Evidence, topic: Signal) -> bool:
     wanted = {name.strip("/") for name in evidence.scenario.recorder.topics}
-    nodes = evidence.scenario.launcher.nodes
-    return topic.publishers[0] in nodes and (not wanted or topic.name in wanted)
+    prefix = f"{(evidence.namespace or '').strip('/')}/"  # of one agent, or without it of all
+    nodes = {name.removeprefix(prefix) for name in evidence.scenario.launcher.nodes}
+    topics = {name.removeprefix(prefix) for name in wanted}
+    return topic.publishers[0] in nodes and (not wanted or topic.name in topics)
 
 
 def _whole_flight(evidence: Evidence, ledger: Ledger, stopped: bool) -> None:

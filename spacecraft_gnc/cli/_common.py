@@ -89,13 +89,14 @@ def exceeded_text(exceeded: Iterable[Mapping[str, Any]]) -> str:
     return f"limits exceeded: {'; '.join(each['text'] for each in exceeded)}"
 
 
-def given_scenario(path: Path | None) -> Scenario | None:
-    """Return the scenario of ``--scenario``; None where it was not given."""
+def given_scenario(path: Path | None, namespace: str | None = None) -> Scenario | None:
+    """Return the scenario of ``--scenario``, of one agent if it has several; None: not given."""
     if path is None:
         return None
-    from spacecraft_gnc.scenario import load
+    from spacecraft_gnc.scenario import load, load_fleet
 
-    return load(path)
+    fleet = load_fleet(path)
+    return fleet.leading if "" in fleet.agents else load(path, namespace=namespace)
 
 
 def known_scenario(info: RunInfo, given: Scenario | None) -> Scenario | None:

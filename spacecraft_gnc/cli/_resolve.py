@@ -99,7 +99,7 @@ def solve_again(wish: Solving) -> None:
 def _scenario(flight: RecordedRun, path: Path | None) -> Scenario:
     """Return the scenario in the bag, or else the one named on the command line."""
     info = flight.info
-    scenario = known_scenario(info, given_scenario(path))
+    scenario = known_scenario(info, given_scenario(path, info.namespace))
     if scenario is None:
         reason = f" that this version reads ({info.scenario_problem})"
         raise RecordingError(

@@ -129,7 +129,7 @@ def plot(
     from spacecraft_gnc.analysis.run_names import run_names
     from spacecraft_gnc.analysis.vehicle import common_part
 
-    given = given_scenario(scenario)
+    given = given_scenario(scenario, namespace)
     require_folder(out)
     if animate is not None:
         require_writable(animate, ".gif", "--animate")

@@ -66,7 +66,7 @@ def report(
     from spacecraft_gnc.analysis.run_names import run_names
 
     require_writable(out, ".html")
-    known = given_scenario(scenario)
+    known = given_scenario(scenario, namespace)
     runs: list[Run] = []
     with show_progress("reading", silent=quiet) as progress:
         listed = [

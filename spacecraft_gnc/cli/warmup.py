@@ -21,11 +21,12 @@ def warmup(
     quiet: QuietOption = False,
 ) -> None:
     """Compile the kernels of the built-in vehicles, and of the scenarios given, into the cache."""
-    from spacecraft_gnc.scenario import from_sections, load
+    from spacecraft_gnc.scenario import from_sections, load_fleet
     from spacecraft_gnc.vehicles import registry
 
     started = time.perf_counter()
-    for scenario in [load(path) for path in scenarios or ()]:
+    fleets = [load_fleet(path) for path in scenarios or ()]
+    for scenario in [one for fleet in fleets for one in fleet.agents.values()]:
         for core in (
             scenario.build_plant(),
             scenario.build_controller(),
