@@ -26,7 +26,7 @@ from spacecraft_gnc.ocp import (
     Weights,
     cheapest,
 )
-from spacecraft_gnc.ocp._solve_kernels import summarise
+from spacecraft_gnc.ocp._solve_kernels import summarize
 from spacecraft_gnc.ocp._sweep_kernels import smallest_pivot
 from spacecraft_gnc.ocp.linearization import factorization
 
@@ -81,7 +81,7 @@ def certify(calls, h, fac, zones, reference, attitudes, work, margins):  # type:
     total = 0.0
     for _ in range(calls):
         total += smallest_pivot(h, fac)
-        total += summarise(zones, reference, attitudes, work, margins)[0]
+        total += summarize(zones, reference, attitudes, work, margins)[0]
     return total
 
 

@@ -1,4 +1,4 @@
-"""Order of the integrator towards the continuous motion, free and under a torque held in each step.
+"""Order of the integrator toward the continuous motion, free and under a torque held in each step.
 
 python benchmarks/integrator_order.py
 

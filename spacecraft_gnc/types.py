@@ -130,7 +130,7 @@ def as_rotation(name: str, value: ArrayLike) -> Matrix3:
         raise ParameterError(
             f"{name}: received a matrix with |R^T R - I| = {defect:.3g} and determinant "
             f"{np.linalg.det(rotation):.6g}; required a rotation (defect at most "
-            f"{ROTATION_TOLERANCE:g}, determinant 1); orthonormalise it first"
+            f"{ROTATION_TOLERANCE:g}, determinant 1); orthonormalize it first"
         )
     return rotation
 

@@ -126,10 +126,10 @@ CONTROLLER_CASES = {
     "exact solves in negative numbers": Bad(
         "horizon: 5", "exact_every: -1", "nmpc_controller.exact_every", ">= 0", "raise it"
     ),
-    "tolerance of the neighbouring solution 0": Bad(
+    "tolerance of the neighboring solution 0": Bad(
         "horizon: 5", "ne_tolerance: 0.0", "nmpc_controller.ne_tolerance", "> 0", "raise it"
     ),
-    "age of the neighbouring solution 0": Bad(
+    "age of the neighboring solution 0": Bad(
         "horizon: 5", "ne_max_age: 0", "nmpc_controller.ne_max_age", ">= 1", "raise it"
     ),
     "parameter of another method": Bad(

@@ -90,7 +90,7 @@ def compare_with_pd(governed: Flight, pd: Flight) -> None:
             )
             for zone in both[0]["zone_margin_deg"]
         ),
-        ("largest torque", *map(newton_metres, both)),
+        ("largest torque", *map(newton_meters, both)),
         ("under 0.1 deg for good from", *(f"{m['settle_time_0.1deg']:g} s" for m in both)),
     ]
     print("\nPast two zones, negative inside: this flight and a PD with the same torque limit")
@@ -107,7 +107,7 @@ def compare_with_paper(flight: Flight) -> None:
     rows = [
         ("", "this flight", "paper", "IPOPT"),
         ("control steps", ours["steps"], 375, ipopt["steps"]),
-        ("largest torque", newton_metres(ours), "limit 0.01 N m", newton_metres(ipopt)),
+        ("largest torque", newton_meters(ours), "limit 0.01 N m", newton_meters(ipopt)),
         ("error at 150 s", degrees(ours), PLOTTED, degrees(ipopt)),
         *((name, f"{ours[key]:g} s", PLOTTED, f"{ipopt[key]:g} s") for name, key in settled),
         ("sum of stage costs", f"{ours['cost']:.9f}", "-", f"{ipopt['cost']:.9f}"),
@@ -134,7 +134,7 @@ def with_states_of(path: Path, flight: Flight) -> Flight:
         )
 
 
-def newton_metres(metrics: dict[str, Any]) -> str:
+def newton_meters(metrics: dict[str, Any]) -> str:
     """Return the largest torque as text."""
     return f"{metrics['max_torque']:.8f} N m"
 

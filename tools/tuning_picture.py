@@ -54,11 +54,11 @@ def settled(**controller: Any) -> float:
 def draw_settling(axes: Any) -> None:
     """Fly the slew with several settling times."""
     print("settling_time  flown to 0.1 deg  predicted")
-    for wanted, colour in zip((20.0, 40.0, 80.0), style.RUN_COLOURS, strict=False):
+    for wanted, color in zip((20.0, 40.0, 80.0), style.RUN_COLORS, strict=False):
         built = scenario(settling_time=wanted, duration=130.0)
         flight = built.build().run()
         error = series.settling_error_deg(flight)
-        axes.semilogy(series.state_times(flight), error, color=colour, label=f"{wanted:g} s")
+        axes.semilogy(series.state_times(flight), error, color=color, label=f"{wanted:g} s")
         late = np.flatnonzero(error >= 0.1)[-1] + 1
         print(f"{wanted:10g} s  {late * built.period:14g} s  {settled(settling_time=wanted):7g} s")
     axes.axhline(0.1, color=style.MUTED, linewidth=0.8)
@@ -71,13 +71,13 @@ def draw_weights(axes: Any, horizon: int) -> None:
     """Multiply one weight at a time."""
     plain = scenario(horizon=horizon).controller.weights
     print(f"horizon {horizon}: factor {FACTORS[0]:.3g} to {FACTORS[-1]:.3g} on one weight")
-    for name, colour in zip(WEIGHTS, style.RUN_COLOURS, strict=False):
+    for name, color in zip(WEIGHTS, style.RUN_COLORS, strict=False):
         base = {each: getattr(plain, each).ravel() for each in WEIGHTS}
         times = [
             settled(horizon=horizon, weights=base | {name: factor * base[name]})
             for factor in FACTORS
         ]
-        axes.loglog(FACTORS, times, color=colour, label=name)
+        axes.loglog(FACTORS, times, color=color, label=name)
         print(f"  {name:18s} {times[0]:7g} s to {times[-1]:7g} s")
     axes.set(xlabel="factor on one weight", ylabel="settles after [s]", ylim=(15.0, 1200.0))
     axes.set_title(f"Each weight alone, horizon {horizon} steps of 0.5 s")
@@ -93,9 +93,9 @@ def draw_horizon(axes: Any) -> None:
         "weights of Gupta et al. 2015, Case I": {"weights": CASE_1, "torque_penalty": 1.0e10},
     }
     print(f"horizons {HORIZONS}")
-    for (label, controller), colour in zip(kinds.items(), style.RUN_COLOURS, strict=False):
+    for (label, controller), color in zip(kinds.items(), style.RUN_COLORS, strict=False):
         times = [settled(horizon=n, **controller) for n in HORIZONS]
-        axes.semilogy(HORIZONS, times, "o-", markersize=3.5, color=colour, label=label)
+        axes.semilogy(HORIZONS, times, "o-", markersize=3.5, color=color, label=label)
         print(f"  {label}: {', '.join(f'{time:g}' for time in times)} s")
     axes.set(xlabel="horizon [steps of 0.5 s]", ylabel="settles after [s]", ylim=(15.0, 1200.0))
     axes.set_title("horizon alone")

@@ -119,7 +119,7 @@ def _ocp(problem: Problem) -> AcadosOcp:
     options.integrator_type = "DISCRETE"
     options.tf = float(problem.horizon)  # acados multiplies the stage cost by the time step: 1
     # The dense active-set solver is the faster one while the horizon is short; with a long horizon
-    # the exact Hessian is indefinite on the way and has to be regularised.
+    # the exact Hessian is indefinite on the way and has to be regularized.
     options.qp_solver = _qp_solver(problem)
     if problem.horizon > CONVEX:
         options.regularize_method = "MIRROR"

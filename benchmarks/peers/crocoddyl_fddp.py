@@ -74,7 +74,7 @@ class Fddp:
     """Warm-started from its last trajectory, shifted."""
 
     formulation = (
-        "penalised, (quaternion, momentum), action model in Python over functions compiled by gcc "
+        "penalized, (quaternion, momentum), action model in Python over functions compiled by gcc "
         "-O3; FDDP leaves the second derivatives of the dynamics out"
     )
     tolerance = f"th_stop {STOP:g}, cost scaled by 1e3"

@@ -16,7 +16,7 @@ class Fsolve:
     """Warm-started from its last multipliers, shifted."""
 
     formulation = (
-        "first-order conditions of the penalised problem, residual compiled from the C++, Powell's "
+        "first-order conditions of the penalized problem, residual compiled from the C++, Powell's "
         "hybrid method with finite differences"
     )
     tolerance = "xtol 1e-12"

@@ -16,10 +16,10 @@ OPTIONS = {
 
 
 class Ipopt(MultipleShooting):
-    """The penalised problem has no inequality, so that no barrier slows the warm start."""
+    """The penalized problem has no inequality, so that no barrier slows the warm start."""
 
     formulation = (
-        "penalised, multiple shooting in (quaternion, momentum), exact Hessian, mumps, functions "
+        "penalized, multiple shooting in (quaternion, momentum), exact Hessian, mumps, functions "
         "compiled by gcc -O3"
     )
     tolerance = "tol 1e-10, cost scaled by 1e2"

@@ -1,4 +1,4 @@
-"""The horizon as a nonlinear programme by multiple shooting, for the solvers of CasADi."""
+"""The horizon as a nonlinear program by multiple shooting, for the solvers of CasADi."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ class MultipleShooting:
         }
         self.sizes = (STAGE, rows)
         self.count = problem.horizon
-        programme = _programme(problem, hard, cost_scale)
+        program = _program(problem, hard, cost_scale)
         common = {"print_time": False, "record_time": False, "calc_lam_p": False}
         common |= COMPILED if problem.horizon <= COMPILABLE else {}
-        self.solver = ca.nlpsol("solver", plugin, programme, common | options)
+        self.solver = ca.nlpsol("solver", plugin, program, common | options)
         self.reset()
 
     def reset(self) -> None:
@@ -80,7 +80,7 @@ def shifted(values: Vector, size: int) -> Vector:
     return np.concatenate([values[size:], values[-size:]])
 
 
-def _programme(problem: Problem, hard: bool, cost_scale: float) -> dict[str, ca.SX]:
+def _program(problem: Problem, hard: bool, cost_scale: float) -> dict[str, ca.SX]:
     first = state = ca.SX.sym("x0", 6)
     variables, constraints, cost = [], [], 0
     for k in range(problem.horizon):

@@ -29,9 +29,9 @@ def ocp_of(problem: Problem, max_torque: float) -> AttitudeOcp:
 
 
 class Ours:
-    """`ShootingSolver` on the penalised problem."""
+    """`ShootingSolver` on the penalized problem."""
 
-    formulation = "first-order conditions of the penalised problem, compiled, called from Python"
+    formulation = "first-order conditions of the penalized problem, compiled, called from Python"
 
     def __init__(self, problem: Problem) -> None:
         ocp = ocp_of(problem, problem.max_torque)

@@ -53,7 +53,7 @@ def main() -> None:
     rows = rows[count:] or rows  # the first pass is a warm-up
     wall = [row[0] for row in rows]
     account = result(
-        "first-order conditions of the penalised problem by the backward sweep, timed inside C++",
+        "first-order conditions of the penalized problem by the backward sweep, timed inside C++",
         f"residual {problem.tolerance:g}",
         wall,
         wall,

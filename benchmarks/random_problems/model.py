@@ -17,8 +17,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from judge import lines
-from newton import Array, Problem, programme
-from programme import STATE
+from newton import Array, Problem, program
+from program import STATE
 
 IPOPT = {
     "print_time": False,
@@ -35,7 +35,7 @@ POLISH = 8  # Newton steps that bring IPOPT's solution to rounding
 @cache
 def solver(horizon: int, controls: int) -> ca.Function:
     """Return IPOPT for a horizon."""
-    return programme(horizon, controls).solver(IPOPT)
+    return program(horizon, controls).solver(IPOPT)
 
 
 def relative(steps: Array, v: Array) -> float:
@@ -62,7 +62,7 @@ def checked(problem: Problem, controls: list[list[float]]) -> dict[str, Any]:
 
 def by_ipopt(problem: Problem) -> dict[str, Any]:
     """Return what IPOPT finds from the free motion."""
-    f = problem.programme
+    f = problem.program
     n, m = f.horizon, f.controls
     row: dict[str, Any] = {"seed": problem.seed, "solved": False}
     try:

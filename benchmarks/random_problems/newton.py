@@ -1,4 +1,4 @@
-"""One random problem in the terms of the programme: rollout, cost, and Newton's correction."""
+"""One random problem in the terms of the program: rollout, cost, and Newton's correction."""
 
 # ruff: noqa: N803 - the symbols are the paper's
 
@@ -9,15 +9,15 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from programme import STATE, ZONE, ZONES, Programme
+from program import STATE, ZONE, ZONES, Program
 
 Array = np.ndarray
 
 
 @cache
-def programme(horizon: int, controls: int) -> Programme:
+def program(horizon: int, controls: int) -> Program:
     """Return the functions for a horizon."""
-    return Programme(horizon, controls)
+    return Program(horizon, controls)
 
 
 def half_trace_minus(Q: Array) -> Array:
@@ -43,7 +43,7 @@ def quaternion(R: Array) -> Array:
 
 
 class Problem:
-    """One drawn problem in the terms of the programme."""
+    """One drawn problem in the terms of the program."""
 
     def __init__(self, drawn: dict[str, Any]) -> None:
         self.seed, n = drawn["seed"], drawn["horizon"]
@@ -71,11 +71,11 @@ class Problem:
             "penalty": drawn["penalty"] if drawn["limit"] > 0.0 else 0.0,
             "cost_scale": 1.0, "zones": zones,
         }  # fmt: skip
-        self.programme = programme(n, m)
+        self.program = program(n, m)
         self.momentum = np.array(drawn["momentum"])
         e = quaternion(reference.T @ np.array(drawn["attitude"]))
         self.start = np.concatenate([e, self.rodrigues(0.5 * self.momentum)])
-        self.parameters = self.programme.pack(self.values)
+        self.parameters = self.program.pack(self.values)
 
     def rodrigues(self, b: Array) -> Array:
         """Return g of b(g) = b; raise ArithmeticError where no step exists."""
@@ -120,7 +120,7 @@ class Problem:
     def cost(self, v: Array) -> tuple[float, float]:
         """Return the cost, and the part of it that the controls move: not of R_0, Pi_0 and R_1."""
         states = self.rollout(v)
-        total = self.programme.over_stages("cost", _stacked(states, v), self.parameters).sum()
+        total = self.program.over_stages("cost", _stacked(states, v), self.parameters).sum()
         return float(total), float(total) - self._fixed(states)
 
     def _fixed(self, states: Array) -> float:
@@ -141,9 +141,9 @@ class Problem:
         """Return Newton's correction of the controls, whether the Hessian is positive, the slope.
 
         The controls of a stage are counted along and across themselves, so that the stiff direction
-        of the penalty is an axis and the factorisation does not mix it with the others.
+        of the penalty is an axis and the factorization does not mix it with the others.
         """
-        f, p, n, m = self.programme, self.parameters, *v.shape
+        f, p, n, m = self.program, self.parameters, *v.shape
         states = self.rollout(v)
         w = _stacked(states, v)
         size = 2 * STATE + m

@@ -119,7 +119,7 @@ def _print(figures: dict[str, Any]) -> None:
         ("LGVI step, from Python", _times(figures["integrator"]["call"], 1e6, "us")),
         ("warm solve, kernel", _times(figures["solve_kernel"], 1e6, "us")),
         ("warm solve, from Python", _times(figures["loop"]["solve"], 1e6, "us")),
-        ("neighbouring extremals", _times(figures["loop_neighboring"]["solve"], 1e6, "us")),
+        ("neighboring extremals", _times(figures["loop_neighboring"]["solve"], 1e6, "us")),
         ("governor, 20 x 100 steps", _times(figures["governor"]["update"], 1e3, "ms")),
         ("governor, Kalabic's flight", _times(figures["governor"]["flight"], 1e3, "ms")),
         ("Case I without ROS", _times(figures["loop"]["flight"], 1e3, "ms")),

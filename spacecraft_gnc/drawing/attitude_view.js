@@ -64,10 +64,10 @@ function zoneTraces(zone) {
   const pick = (rows, i) => rows.map((row) => row[i]);
   const [i, j, k] = zone.triangles;
   const mesh = { type: "mesh3d", x: pick(points, 0), y: pick(points, 1), z: pick(points, 2), i, j, k,
-    color: zone.colour, opacity: 0.55, name: zone.name, showlegend: true, hoverinfo: "name",
+    color: zone.color, opacity: 0.55, name: zone.name, showlegend: true, hoverinfo: "name",
     flatshading: true, lighting: { ambient: 1, diffuse: 0, specular: 0 } };
   ring.push(ring[0]);
-  return [mesh, line3d(ring, { line: { color: zone.colour, width: 5 } })];
+  return [mesh, line3d(ring, { line: { color: zone.color, width: 5 } })];
 }
 
 function pathOf(run, vector, options) {
@@ -95,10 +95,10 @@ function arrowsAt(run, k) {
 function movingTraces(sphere, run, k) {
   const boresights = run.zones.filter((zone) => zone.boresight);
   const styles = [
-    ...AXES.map((name, j) => ({ name: `body ${name}`, showlegend: true, line: { color: sphere.axisColours[j], width: 7 } })),
-    ...boresights.map((zone) => ({ name: `boresight of ${zone.name}`, showlegend: true, line: { color: zone.colour, width: 7 } })),
+    ...AXES.map((name, j) => ({ name: `body ${name}`, showlegend: true, line: { color: sphere.axisColors[j], width: 7 } })),
+    ...boresights.map((zone) => ({ name: `boresight of ${zone.name}`, showlegend: true, line: { color: zone.color, width: 7 } })),
     ...AXES.map((name, j) => ({ name: `reference ${name}`, mode: "markers",
-      marker: { symbol: "diamond-open", size: 6, color: sphere.axisColours[j] } })),
+      marker: { symbol: "diamond-open", size: 6, color: sphere.axisColors[j] } })),
   ];
   return arrowsAt(run, k).map((points, i) => line3d(points, styles[i]));
 }
@@ -145,7 +145,7 @@ async function drawView(sphere) {
   async function showRun(index) {
     run = runs[index];
     const paths = AXES.map((name, j) => pathOf(run, [0, 1, 2].map((i) => (i === j ? 1 : 0)),
-      { line: { color: sphere.axisColours[j], width: 3 } }));
+      { line: { color: sphere.axisColors[j], width: 3 } }));
     const fixed = [...ball(sphere), ...run.zones.flatMap(zoneTraces), ...paths];
     first = fixed.length;
     slider.max = String(run.count - 1);

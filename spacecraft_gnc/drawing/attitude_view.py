@@ -66,11 +66,11 @@ def script() -> str:
 
 
 def view_data(motions: Sequence[Motion], points: int) -> dict[str, Any]:
-    """Return the attitudes and the zones of every run, the sphere and the colours."""
+    """Return the attitudes and the zones of every run, the sphere and the colors."""
     return {
-        "axisColours": list(style.AXIS_COLOURS),
+        "axisColors": list(style.AXIS_COLORS),
         "ink": style.INK,
-        "grid": style.GRID_COLOUR,
+        "grid": style.GRID_COLOR,
         "graticule": [packed(line) for line in graticule(_SECTORS)],
         "runs": [_run_data(motion, points) for motion in motions],
     }
@@ -133,7 +133,7 @@ def _zone_data(zone: Zone) -> dict[str, Any]:
     return {
         "name": label(f"{zone.name}: {zone.kind} for {where}, {zone.half_angle_deg:.4g}°"),
         "kind": zone.kind,
-        "colour": style.ZONE_COLOURS[zone.kind],
+        "color": style.ZONE_COLORS[zone.kind],
         "bodyAxis": body_axis.tolist(),
         "boresight": not named,
         "points": packed(points),
@@ -145,7 +145,7 @@ def _zone_data(zone: Zone) -> dict[str, Any]:
 def cap(axis: Array, half_angle: float) -> Array:
     """Return points (1 + rings * sectors, 3) of the cap within ``half_angle`` [rad] of ``axis``.
 
-    The centre first, then ring after ring; the last one is the border.
+    The center first, then ring after ring; the last one is the border.
     """
     angles = half_angle * np.arange(1, _RINGS + 1) / _RINGS
     rings = [circle(axis, angle, _SECTORS)[:-1] for angle in angles]

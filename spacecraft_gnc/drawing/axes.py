@@ -25,12 +25,12 @@ def frame(axes: Axes, times: Array, title: str, ylabel: str) -> None:
 
 def component(index: int) -> dict[str, Any]:
     """Return the look of the line of a component x, y, z, w."""
-    return {"color": style.COMPONENT_COLOURS[index], "linestyle": style.COMPONENT_STYLES[index]}
+    return {"color": style.COMPONENT_COLORS[index], "linestyle": style.COMPONENT_STYLES[index]}
 
 
 def limit(axes: Axes, value: float, label: str | None = None, width: float = 1.1) -> None:
     """Draw the dashed line of a limit."""
-    axes.axhline(value, label=label, color=style.LIMIT_COLOUR, linewidth=width, linestyle="--")
+    axes.axhline(value, label=label, color=style.LIMIT_COLOR, linewidth=width, linestyle="--")
 
 
 def positive(values: Array) -> Array:

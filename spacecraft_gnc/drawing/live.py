@@ -23,7 +23,7 @@ BANDS: Final = dict(
         strict=True,
     )
 )
-"""Colour of each source of a command, on a dark page."""
+"""Color of each source of a command, on a dark page."""
 _WELL: Final = (Source.OPTIMAL, Source.NEIGHBORING_EXTREMAL, Source.METHOD)
 
 
@@ -34,7 +34,7 @@ class Series(NamedTuple):
     """Of the value, a number or an array."""
     names: Sequence[str] = ()
     """Of a number itself, or of the components of an array; empty: they are numbered."""
-    colour: str = ""
+    color: str = ""
     """Empty: one for each component."""
 
 
@@ -58,7 +58,7 @@ class Panel:
         Largest value on both sides of zero; 0: none, or not known.
     norm
         Name of the norm that bars show as well, and that the limit applies to.
-    colours
+    colors
         Of the words of a band.
     numbered
         What a component is called before its number.
@@ -72,7 +72,7 @@ class Panel:
     log: bool = False
     limit: float = 0.0
     norm: str = ""
-    colours: Mapping[str, str] | None = None
+    colors: Mapping[str, str] | None = None
     numbered: str = ""
 
     def as_json(self) -> dict[str, Any]:
@@ -173,7 +173,7 @@ def error_panel(governed: bool) -> Panel:
 def source_panel(what: str) -> Panel:
     """Return the chart of where the commands came from; ``what`` they are, in a word."""
     series = [Series("source")]
-    return Panel(kind="band", name="source", title=f"{what} from", series=series, colours=BANDS)
+    return Panel(kind="band", name="source", title=f"{what} from", series=series, colors=BANDS)
 
 
 def source_readout(what: str, source: str) -> Readout:

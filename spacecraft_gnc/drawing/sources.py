@@ -39,9 +39,9 @@ def source_name(source: int, otherwise: str = "not recorded") -> str:
     return Source(source).name.lower().replace("_", " ") if known else otherwise
 
 
-def source_colour(source: int) -> str:
-    """Return the colour of a source."""
-    return style.MUTED if source < 0 else style.SOURCE_COLOURS[source]
+def source_color(source: int) -> str:
+    """Return the color of a source."""
+    return style.MUTED if source < 0 else style.SOURCE_COLORS[source]
 
 
 def stretches(sources: NDArray[np.int64], times: Array, width: int = 1) -> list[Stretch]:

@@ -16,7 +16,7 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from spacecraft_gnc.drawing.geometry import circle, graticule
-from spacecraft_gnc.drawing.style import GRID_COLOUR, INK, MUTED
+from spacecraft_gnc.drawing.style import GRID_COLOR, INK, MUTED
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def draw_sphere(axes: Axes, view: View) -> None:
     axes.add_patch(disc)
     axes.add_patch(limb)
     for line in graticule(_POINTS):
-        draw_curve(axes, view, line, color=GRID_COLOUR, linewidth=0.6)
+        draw_curve(axes, view, line, color=GRID_COLOR, linewidth=0.6)
     for axis, name in zip(np.eye(3), "XYZ", strict=True):
         _draw_inertial_axis(axes, view, axis, name)
 
@@ -98,7 +98,7 @@ def draw_curve(axes: Axes, view: View, points: Array, *, color: str, **style: An
 
 
 def draw_arrow(axes: Axes, view: View, tip: Array, *, color: str, dashed: bool) -> None:
-    """Draw an arrow from the centre to a point (3,) of the sphere."""
+    """Draw an arrow from the center to a point (3,) of the sphere."""
     (picture,), (depth,) = view.project(tip[None])
     axes.annotate(
         "",

@@ -1,6 +1,6 @@
-"""Look of the figures: colours, fonts and units.
+"""Look of the figures: colors, fonts and units.
 
-**Source** of the palette: Okabe and Ito (2008), distinguishable with every common colour-vision
+**Source** of the palette: Okabe and Ito (2008), distinguishable with every common color-vision
 deficiency.
 """
 
@@ -14,22 +14,22 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 
-AXIS_COLOURS: Final = ("#0072B2", "#D55E00", "#009E73")
+AXIS_COLORS: Final = ("#0072B2", "#D55E00", "#009E73")
 """Body axes x, y, z: blue, vermilion, bluish green."""
 AXIS_STYLES: Final = ("-", (0, (5, 1.2)), (0, (1.2, 1.0)))
-"""Line styles of x, y, z, so that a grey print can be read too."""
-COMPONENT_COLOURS: Final = (*AXIS_COLOURS, "#CC79A7")
+"""Line styles of x, y, z, so that a gray print can be read too."""
+COMPONENT_COLORS: Final = (*AXIS_COLORS, "#CC79A7")
 COMPONENT_STYLES: Final = (*AXIS_STYLES, (0, (5, 1, 1, 1)))
 """Of x, y, z, w."""
-RUN_COLOURS: Final = (*AXIS_COLOURS, "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+RUN_COLORS: Final = (*AXIS_COLORS, "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Runs beside each other, in this order."""
-SOURCE_COLOURS: Final = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000", "#0072B2")
+SOURCE_COLORS: Final = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000", "#0072B2")
 """By number of `loop.Source`."""
-ZONE_COLOURS: Final = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
+ZONE_COLORS: Final = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
 INK: Final = "#222222"
-LIMIT_COLOUR: Final = "#B0282E"
+LIMIT_COLOR: Final = "#B0282E"
 MUTED: Final = "#6E6E6E"
-GRID_COLOUR: Final = "#DDDDDD"
+GRID_COLOR: Final = "#DDDDDD"
 
 _RC_PARAMS: Final[dict[Any, Any]] = {
     "font.family": "DejaVu Sans",
@@ -45,7 +45,7 @@ _RC_PARAMS: Final[dict[Any, Any]] = {
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "grid.color": GRID_COLOUR,
+    "grid.color": GRID_COLOR,
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.4,
     "legend.frameon": False,
@@ -67,7 +67,7 @@ _RC_PARAMS: Final[dict[Any, Any]] = {
 
 def applied() -> AbstractContextManager[None]:
     """Return a context in which figures are drawn and saved in this style."""
-    import matplotlib as mpl  # here: a page of the report has the colours without it
+    import matplotlib as mpl  # here: a page of the report has the colors without it
 
     return mpl.rc_context(_RC_PARAMS)
 
@@ -82,7 +82,7 @@ class Unit(NamedTuple):
 def prefixed(unit: str, *values: Array) -> Unit:
     """Return ``unit`` with the prefix that keeps the largest of ``values`` between 0.2 and 200.
 
-    ``prefixed("N m", torque)`` is millinewton metres for torques around 0.01.
+    ``prefixed("N m", torque)`` is millinewton meters for torques around 0.01.
     """
     finite = [np.abs(array[np.isfinite(array)]).max(initial=0.0) for array in values]
     largest = float(max(finite, default=0.0))

@@ -48,14 +48,14 @@ def label(text: str) -> str:
 
 def component_line(index: int) -> dict[str, Any]:
     """Return the line of a component x, y, z, w."""
-    return {"color": style.COMPONENT_COLOURS[index % 4], "dash": DASHES[index % 4], "width": 1.7}
+    return {"color": style.COMPONENT_COLORS[index % 4], "dash": DASHES[index % 4], "width": 1.7}
 
 
 def run_line(index: int) -> dict[str, Any]:
     """Return the line of a run beside others."""
-    count = len(style.RUN_COLOURS)
+    count = len(style.RUN_COLORS)
     return {
-        "color": style.RUN_COLOURS[index % count],
+        "color": style.RUN_COLORS[index % count],
         "dash": DASHES[(index + index // count) % len(DASHES)],
         "width": 1.7,
     }
@@ -86,7 +86,7 @@ def limit(x: Sequence[float], y: Sequence[float], text: str) -> Trace:
         "x": [float(value) for value in x],
         "y": [float(value) for value in y],
         "name": label(text),
-        "line": {"color": style.LIMIT_COLOUR, "dash": "dash", "width": 1.3},
+        "line": {"color": style.LIMIT_COLOR, "dash": "dash", "width": 1.3},
         "hoverinfo": "skip",
     }
 
@@ -95,9 +95,9 @@ def axis(title: str, **options: Any) -> dict[str, Any]:
     """Return an axis with the grid and the ticks of every diagram."""
     return {
         "title": {"text": title, "standoff": 8},
-        "gridcolor": style.GRID_COLOUR,
+        "gridcolor": style.GRID_COLOR,
         "linecolor": style.MUTED,
-        "zerolinecolor": style.GRID_COLOUR,
+        "zerolinecolor": style.GRID_COLOR,
         "ticks": "outside",
         "ticklen": 4,
         "tickcolor": style.MUTED,

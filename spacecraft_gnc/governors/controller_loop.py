@@ -39,7 +39,7 @@ from spacecraft_gnc.solvability import largest_step
 from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3, as_rotation
 
 # Room [rad, share of a limit] that a new reference needs where the controller flown remembers more
-# than the one that predicts: its neighbouring extremals and warm starts give other last digits.
+# than the one that predicts: its neighboring extremals and warm starts give other last digits.
 MEMORY = 1e-3
 CONSTRAINTS = (
     "torque limit",

@@ -123,7 +123,7 @@ class AttitudeFeedback:
         return 2.0 * float(eigenvalues[0] + eigenvalues[1])
 
     def torque(self, state: State, reference: Matrix3 | Reference) -> Vector3:
-        """Return the body torque (3,) [N m] at ``state`` towards a (3, 3) attitude or Reference."""
+        """Return the body torque (3,) [N m] at ``state`` toward a (3, 3) attitude or Reference."""
         torque, rows = np.empty((1, 3)), np.zeros((9, 3))
         if isinstance(reference, Reference):
             reference, rate, feedforward = reference

@@ -2,7 +2,7 @@
 
 A governor that moves its reference along one geodesic stops before a zone that lies across it. A
 roadmap leads round: attitudes that keep clear of every zone, spread evenly over SO(3), and between
-neighbours those geodesics that keep clear all along. The shortest way over them is then pulled
+neighbors those geodesics that keep clear all along. The shortest way over them is then pulled
 tight. Nothing is random, so equal questions get equal answers. `docs/governor.md` explains it.
 """
 
@@ -24,7 +24,7 @@ from spacecraft_gnc.types import Array, Matrix3, read_only
 
 NODES = 1200
 CANDIDATES = 40_000  # narrow sets, such as that of an inclusion zone, keep few of many
-NEIGHBOURS = 14
+NEIGHBORS = 14
 LONGEST_LEG = math.radians(150.0)  # further on, the shortest way may turn to the other side
 CUT_POINT = math.pi - 1e-6  # angle from which two geodesics count as equally short
 PULLS = 6  # rounds of pulling; each halves what is left of most corners
@@ -118,7 +118,7 @@ class RoutePlanner:
         if n < 2:
             return csr_array((n, n))
         both = cKDTree(np.concatenate([quaternions, -quaternions]))  # q and -q are one attitude
-        _, near = both.query(quaternions, min(NEIGHBOURS + 1, n))
+        _, near = both.query(quaternions, min(NEIGHBORS + 1, n))
         i, j = np.repeat(np.arange(n), near.shape[1]), near.ravel() % n
         i, j = np.unique(np.stack([np.minimum(i, j), np.maximum(i, j)])[:, i != j], axis=1)
         axes, angles = geodesics(attitudes[i], attitudes[j])
@@ -176,7 +176,7 @@ class RoutePlanner:
         return path[kept]
 
     def _pull(self, path: Array) -> Array:
-        """Move each intermediate attitude towards the geodesic between those beside it."""
+        """Move each intermediate attitude toward the geodesic between those beside it."""
         path = path.copy()
         for k in range(1, len(path) - 1):
             before, here, after = path[k - 1 : k + 2]

@@ -81,7 +81,7 @@ class GeodesicSearch:
         self._set.contains(self.at(0.0, held, np.zeros(3)))
 
     def step(self, state: State, held: Matrix3, aim: Matrix3) -> Step:
-        """Move the reference from ``held`` towards ``aim`` (3, 3) as far as is admissible.
+        """Move the reference from ``held`` toward ``aim`` (3, 3) as far as is admissible.
 
         The reference of alpha = 1 is ``aim`` itself, unless that is a cut point and moved by (15).
         """

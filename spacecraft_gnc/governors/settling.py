@@ -38,7 +38,7 @@ class SettledSet(NamedTuple):
     metric: Array
     """(6, 6) P, to (eta [rad], Pi [N m s])."""
     level: float
-    """Largest level that the limits and the linearisation allow [rad^2]."""
+    """Largest level that the limits and the linearization allow [rad^2]."""
     error_gain: float
     """Largest attitude error on level 1 [-]."""
     radius: float

@@ -1,6 +1,6 @@
 """Length of a prediction: the tail set of the nominal loop and the steps to reach it.
 
-Linearised at rest at the reference, with x = (log E, Pi), one control period of the loop is
+Linearized at rest at the reference, with x = (log E, Pi), one control period of the loop is
 x+ = M x. The tail set is {x . P x <= c} with M^T P M - r P = -r Q, where r is the spectral radius
 of M and Q the energy: each period of the linear loop shrinks x . P x by r at least. The level c is
 the largest at which
@@ -66,7 +66,7 @@ class Loop:
         return state_units(np.asarray(self.feedback.inertia), self.substeps * self.time_step)
 
     def matrix(self) -> Array:
-        """Return M (6, 6) of the loop linearised at rest at the reference."""
+        """Return M (6, 6) of the loop linearized at rest at the reference."""
         h, f = self.time_step, self.feedback
         inverse = np.linalg.inv(np.asarray(f.inertia))
         step = np.block([[np.eye(3), h * inverse], [np.zeros((3, 3)), np.eye(3)]])
@@ -104,7 +104,7 @@ class Tail:
     widest : float
         Largest angle of log E where x . P x = 1 [rad].
     radius : float
-        Spectral radius of the linearised loop.
+        Spectral radius of the linearized loop.
     growth : float
         Largest ratio of x . P x over one period that was met in the set.
     """
@@ -175,7 +175,7 @@ def horizon_of(loop: Loop, limits: Limits, tail: Tail, level: float) -> int:
 
     Notes
     -----
-    x . P x is at most U in {W <= level} and the linearised loop shrinks it by the square of its
+    x . P x is at most U in {W <= level} and the linearized loop shrinks it by the square of its
     spectral radius r, so log(c / U) / (2 log r) steps are due. Far from the reference the loop is
     slower; `FLIGHTS` flights from the border of {W <= level} are flown, and where one needs longer,
     the number is raised to that and a tenth.

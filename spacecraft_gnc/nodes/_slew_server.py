@@ -101,7 +101,7 @@ class SlewServer:
         slew.error = lie.angle_between(state.attitude, slew.target)
         rate = math.sqrt(float(angular_velocity @ angular_velocity))
         if slew.handle.is_cancel_requested:
-            self._end("canceled", "cancelled; the target stays commanded")
+            self._end("canceled", "canceled; the target stays commanded")
         elif slew.error < slew.tolerance and rate < self._rate_tolerance:
             slew.reached = True
             self._end("succeed", "target reached")
@@ -164,7 +164,7 @@ def _target(quaternion: Any) -> Matrix3:
     if not abs(norm - 1.0) <= _NORM_TOLERANCE:
         raise _BadGoal(
             f"target: received a quaternion x, y, z, w = {q.tolist()} of norm {norm:.6g}; required "
-            f"norm 1 within {_NORM_TOLERANCE:g}; normalise it"
+            f"norm 1 within {_NORM_TOLERANCE:g}; normalize it"
         )
     return lie.from_quaternion_xyzw(q)
 

@@ -31,7 +31,7 @@ from spacecraft_gnc.ocp._solve_kernels import (
     is_momentum,
     is_rotation,
     repeat_last,
-    summarise,
+    summarize,
 )
 from spacecraft_gnc.ocp._stage_kernels import control, horizon_cost, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import evaluate, substitute
@@ -188,6 +188,6 @@ def correct(inputs, moving, R, Pi, u, lam, margins, allowed, arena, kept):
     repeat_last(lam)
     _fill_torques(data, track, guess, u, W)  # and the controls in W, which the cost needs
     cost = horizon_cost(data, zones, track, R, Pi, W)
-    largest, error, travel = summarise(zones, R_ref, R, W, margins)
+    largest, error, travel = summarize(zones, R_ref, R, W, margins)
     _cut(data, u, W)
     return True, bound, norm, cost, largest, error, travel

@@ -2,7 +2,7 @@
 
 ``problem`` is (body, data, zones, track), ``horizon`` (R, Pi, u, lam, W), ``work`` the arrays
 (guess, trial, resid, step, fac) of `_sweep_kernels`. ``kept`` (2,) tells whether ``fac`` holds the
-exact factorisation of an earlier point, and which limits were active there.
+exact factorization of an earlier point, and which limits were active there.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _cost(problem, horizon):
 
 
 @kernel
-def _linearise(problem, horizon, fac, rho, estimated):
+def _linearize(problem, horizon, fac, rho, estimated):
     body, data, zones, track = problem
     R, Pi, _, lam, W = horizon
     return factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated)
@@ -145,7 +145,7 @@ def _searched_step(problem, horizon, work, rho, estimated, norm, local, stagnant
     unit = 1.0 / problem[1][U_UNIT]
     cost = math.nan if local else _cost(problem, horizon)
     while rho <= LARGEST_LEVENBERG:
-        indefinite = _linearise(problem, horizon, fac, rho * unit, estimated)
+        indefinite = _linearize(problem, horizon, fac, rho * unit, estimated)
         slope = _newton_step(problem, work, rho * unit)
         plain = stagnant and rho == 0.0 and not estimated
         if plain and largest_row(step, 0) <= SMALLEST_CORRECTION * largest_row(guess, 0):
@@ -172,7 +172,7 @@ def _searched_step(problem, horizon, work, rho, estimated, norm, local, stagnant
 def _fixed_step(problem, horizon, work, gamma, estimated):
     """One step of given length, whatever it does; returns status, residual, pattern."""
     guess, _, resid, step, fac = work
-    _linearise(problem, horizon, fac, 0.0, estimated)
+    _linearize(problem, horizon, fac, 0.0, estimated)
     _newton_step(problem, work, 0.0)
     move(guess, gamma, step, guess)
     return _at(problem, horizon, guess, resid)
@@ -180,7 +180,7 @@ def _fixed_step(problem, horizon, work, gamma, estimated):
 
 @kernel
 def _chord_step(problem, horizon, work, norm):
-    """One step with the kept factorisation; taken back where it does not contract.
+    """One step with the kept factorization; taken back where it does not contract.
 
     Returns whether it was good, residual, pattern.
     """
@@ -227,7 +227,7 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
     _, Pi, _, lam, W = horizon
     local = norm <= LOCAL * largest_row(lam, 3)
     rho, saddles, steps, stagnant = 0.0, 0, 0, True
-    certifying = False  # a factorisation that the chord kept from an earlier solve does not
+    certifying = False  # a factorization that the chord kept from an earlier solve does not
     while True:
         if not math.isfinite(norm):
             return NOT_FINITE, steps, norm, math.nan
@@ -235,10 +235,10 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
         # The bound on rounding is far above it, so it counts where steps no longer help only.
         rounded = steps > 0 and stagnant and norm <= rounding_of(data, track, Pi)
         if status == ARRIVED or small or rounded:
-            # This solve's last linearisation certifies, unless other limits act since.
+            # This solve's last linearization certifies, unless other limits act since.
             stage = -1
             if kept[0] == 0 or kept[1] != pattern or not certifying:
-                stage = _linearise(problem, horizon, fac, 0.0, False)
+                stage = _linearize(problem, horizon, fac, 0.0, False)
                 kept[0], kept[1] = 1, pattern
             pivot = smallest_pivot(h, fac)
             if pivot > 0.0:

@@ -115,7 +115,7 @@ def _margins(zones, R, margins):
 
 
 @kernel
-def summarise(zones, R_ref, R, W, margins):
+def summarize(zones, R_ref, R, W, margins):
     """Fill the zone margins; returns the largest |u|^2, the first error and the angle turned."""
     largest = 0.0
     for k in range(W.shape[0]):
@@ -251,7 +251,7 @@ def solve(
         return status, steps, norm, nan, nan, nan, nan, nan
     repeat_last(lam)
     cost = horizon_cost(problem[1], problem[2], problem[3], R, Pi, W)
-    largest, error, travel = summarise(problem[2], R_ref, R, W, margins)
+    largest, error, travel = summarize(problem[2], R_ref, R, W, margins)
     return status, steps, norm, cost, pivot, largest, error, travel
 
 

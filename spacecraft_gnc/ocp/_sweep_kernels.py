@@ -7,7 +7,7 @@ the gradient of the cost divided by -2 h U^-1, and zero exactly where the condit
 the cost to go; `substitute` solves for one right-hand side. `shooting` documents the method.
 
 A row of ``fac`` holds U, S^-1, K = S^-1 (V A)_2 (3 x 6), L = h V_{:,2} U (6 x 3), and F, M, A where
-it was linearised: everything `substitute` needs, so that a factorisation can be kept.
+it was linearized: everything `substitute` needs, so that a factorization can be kept.
 """
 
 from __future__ import annotations
@@ -157,7 +157,7 @@ def _is_definite(S, det):
 
 @kernel
 def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
-    """Linearise and sweep V backward; returns the last stage that is not definite, -1 for none.
+    """Linearize and sweep V backward; returns the last stage that is not definite, -1 for none.
 
     ``rho`` >= 0 is Levenberg's term: U becomes U (I + rho U)^-1.
     """

@@ -67,7 +67,7 @@ class SlsqpSolver:
     ----------
     ocp : AttitudeOcp
     tolerance : float
-        Change of the cost at which the minimisation stops, in `Units.cost`.
+        Change of the cost at which the minimization stops, in `Units.cost`.
     max_iterations : int
 
     Notes
@@ -94,7 +94,7 @@ class SlsqpSolver:
         }
 
     def warm_up(self) -> None:
-        """Compile or load the kernels, and the minimiser."""
+        """Compile or load the kernels, and the minimizer."""
         import scipy.optimize  # noqa: F401
 
         self._plain.cost(np.zeros((self.ocp.horizon, self.ocp.n_controls)), np.eye(3), np.zeros(3))

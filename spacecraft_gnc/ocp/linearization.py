@@ -1,6 +1,6 @@
-"""The optimal control linearised in its initial state: gains of the neighbouring extremals.
+"""The optimal control linearized in its initial state: gains of the neighboring extremals.
 
-Around a solution, delta u_k = K_k (eta_k, delta Pi_k) to first order, where a neighbouring attitude
+Around a solution, delta u_k = K_k (eta_k, delta Pi_k) to first order, where a neighboring attitude
 is R_k exp(hat(eta_k)). Source: Bagherzadeh et al. 2023, (62)-(69), with its errata: (52) means
 delta x_k, the left side of (63) is eta_{k+1}, and the penalty replaces the rows of the constraint,
 which (60) and (65) would count twice.
@@ -21,7 +21,7 @@ from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 
 class Linearization(NamedTuple):
-    """A solution and its first-order neighbourhood."""
+    """A solution and its first-order neighborhood."""
 
     gains: Array
     """(N, 3, 6) K_k: torque of stage k to (eta_k, delta Pi_k) [N m/rad, 1/s]."""

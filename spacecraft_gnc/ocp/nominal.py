@@ -59,7 +59,7 @@ class NominalRun:
         return len(self.torques)
 
     def torque(self, step: int, attitude: Matrix3, momentum: Vector3) -> Vector3:
-        """Return the torque (3,) [N m] of a step from a neighbouring state, not yet limited.
+        """Return the torque (3,) [N m] of a step from a neighboring state, not yet limited.
 
         The state lies less than half a turn from the run's. Raises ShapeError or ParameterError if
         an argument is refused.

@@ -17,7 +17,7 @@ the multipliers lambda. Two formulations of Newton's method solve it:
 `Solution.formulation` says which one was used. (38) has no inner root finder: see
 `_stage_kernels.control`.
 
-Errata honoured: Gupta (18), the sum over delta u_k starts at k = 0; (42), the multiplier rows are
+Errata honored: Gupta (18), the sum over delta u_k starts at k = 0; (42), the multiplier rows are
 multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherzadeh et al. 2023
 (33): "+2 mu S(u) S(du) S(u)" is -4 mu S(u) S(du) S(u), and only where the limit acts.
 """
@@ -336,7 +336,7 @@ class ShootingSolver:
 
     @property
     def kept(self) -> NDArray[np.int64]:
-        """(4,) whether the work space holds a factorisation, and the limits that acted there."""
+        """(4,) whether the work space holds a factorization, and the limits that acted there."""
         return self.work[1]
 
     def warm_up(self) -> None:

@@ -51,7 +51,7 @@ class Solution(NamedTuple):
     """Smallest pivot of the cost's second derivative to the torques, swept backward [(N m)^-2].
 
     A stationary point is a strict local minimum exactly where it is positive. Of the last
-    linearisation, one Newton step from the solution; NaN where the solve did not converge.
+    linearization, one Newton step from the solution; NaN where the solve did not converge.
     """
     zone_margins: Array
     """Smallest angle [rad] to each zone over the predicted attitudes (negative: inside)."""

@@ -15,7 +15,7 @@ from spacecraft_gnc.types import Array, Matrix3
 
 
 class TerminalController(NamedTuple):
-    """kappa = K x for x = (Z, Pi), and F = x . P x / 2, the cost to go of the linearised loop."""
+    """kappa = K x for x = (Z, Pi), and F = x . P x / 2, the cost to go of the linearized loop."""
 
     riccati: Array
     """(6, 6) P of (27)."""
@@ -45,7 +45,7 @@ class TerminalController(NamedTuple):
         Raises
         ------
         ParameterError
-            If it has no stabilising solution.
+            If it has no stabilizing solution.
         """
         import scipy.linalg  # loads for long, and for this method only
 
@@ -63,7 +63,7 @@ class TerminalController(NamedTuple):
         except np.linalg.LinAlgError as error:
             raise ParameterError(
                 f"weights: received weights for which the Riccati equation (27) fails ({error}); "
-                "required a stabilising solution; use a positive definite stage_attitude, and "
+                "required a stabilizing solution; use a positive definite stage_attitude, and "
                 "weights of similar size"
             ) from error
         P = 0.5 * (P + P.T)

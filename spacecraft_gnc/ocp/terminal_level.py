@@ -115,13 +115,13 @@ def nearest_violation(
         return limit
     noise = _sphere(spread(AROUND, 6, first=RAYS))
     for start, reached in zip(directions[order], found[order], strict=True):
-        centre, value, width = start, float(reached), 0.3
+        center, value, width = start, float(reached), 0.3
         for _ in range(ROUNDS):
-            trial = centre + width * noise
+            trial = center + width * noise
             trial /= np.linalg.norm(trial, axis=1, keepdims=True)
             values = radii(trial, value)
             if values.min() < value:
-                centre, value = trial[np.argmin(values)], float(values.min())
+                center, value = trial[np.argmin(values)], float(values.min())
             else:
                 width *= SHRINK
         best = min(best, value)
@@ -136,7 +136,7 @@ def _root(design: TerminalController) -> Array:
 def spread(count: int, dimension: int, first: int) -> Array:
     """Return (count, dimension) points of the unit cube, those after the ``first`` ones.
 
-    Kronecker's sequence of the generalised golden ratio g, g^(d+1) = g + 1: quasi-random, without a
+    Kronecker's sequence of the generalized golden ratio g, g^(d+1) = g + 1: quasi-random, without a
     seed, the same on every machine.
     """
     ratio = 2.0

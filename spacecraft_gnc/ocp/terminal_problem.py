@@ -1,6 +1,6 @@
 """The terminal-set NMPC problem: a hard torque limit and a terminal set in the logarithm.
 
-    minimise    sum_k lambda L(X_k, T_k) + F(X_N)
+    minimize    sum_k lambda L(X_k, T_k) + F(X_N)
     L(X, T)   = tr(Q1 (I - C)) + tr(Q2 (I - F)) / h^2 + T . M T / 2,   C = R_ref^T R
     F(X)      = x . P x / 2,   x = (Z, Pi),   hat(Z) = log C
     subject to  |T_k| <= max_torque,   |x_N|_P^2 <= c

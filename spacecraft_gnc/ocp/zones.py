@@ -29,9 +29,9 @@ class PointingZone:
     ----------
     kind : {"exclusion", "inclusion"}
     body_axis : (3,) array
-        Direction fixed in the body, body frame; normalised here.
+        Direction fixed in the body, body frame; normalized here.
     inertial_axis : (3,) array
-        Axis of the cone, inertial frame; normalised here.
+        Axis of the cone, inertial frame; normalized here.
     half_angle : float
         Half-angle of the cone [rad], in (0, pi).
     penalty : float

@@ -47,7 +47,7 @@ class Outlet:
         self._unacknowledged += 1
 
     def drain(self, patience: float, stopped: Callable[[], bool]) -> bool:
-        """Wait for the acknowledgements; return whether they came within ``patience`` [s]."""
+        """Wait for the acknowledgments; return whether they came within ``patience`` [s]."""
         self._unacknowledged = 0
         deadline = time.monotonic() + patience
         while not self._publisher.wait_for_all_acked(Duration(seconds=_BEAT)):

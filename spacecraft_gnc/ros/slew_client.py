@@ -86,7 +86,7 @@ def slew(
         view.forgive_interrupt()
         handle.cancel_goal_async()
         if not view.spin_until(result.done, _PATIENCE):
-            raise GraphError(f"{action}: cancelled, but the governor did not confirm it")
+            raise GraphError(f"{action}: canceled, but the governor did not confirm it")
     r = result.result().result
     refused = r.message.startswith(REFUSED)
     message = r.message.removeprefix(REFUSED)

@@ -169,7 +169,7 @@ class _Managed:
         self.stage = Stage.STARTING
 
     def push(self, *, may_activate: bool) -> None:
-        """Take the next step towards ACTIVE, if it can be taken now."""
+        """Take the next step toward ACTIVE, if it can be taken now."""
         if self.stage is Stage.STARTING and self._change.service_is_ready():
             self._ask(Stage.CONFIGURING)
         elif self.stage is Stage.CONFIGURED and may_activate:

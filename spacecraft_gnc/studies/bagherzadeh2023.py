@@ -1,4 +1,4 @@
-"""Sections 4 and 6 of Bagherzadeh et al. 2023: simplified sensitivities, neighbouring extremals.
+"""Sections 4 and 6 of Bagherzadeh et al. 2023: simplified sensitivities, neighboring extremals.
 
 Times are of whole commands, the median of each step over repeated flights.
 """

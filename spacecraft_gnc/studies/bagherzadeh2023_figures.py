@@ -1,4 +1,4 @@
-"""Pictures of Bagherzadeh et al. 2023: its Figs. 1-5 (variants) and 7-13 (neighbouring extremals).
+"""Pictures of Bagherzadeh et al. 2023: its Figs. 1-5 (variants) and 7-13 (neighboring extremals).
 
 The paper's pairs of pictures, exact against another way, are one picture here: the exact flight is
 a broad pale line.
@@ -100,7 +100,7 @@ def _extremals(studies: Mapping[str, Study]) -> Figure:
         overlays.step_times(left, times, steps, title=f"Time of a step, {TIMED}")
         panels.attitude_sphere(right, study.flights[NE_EXACT_10].trajectory)
         right.set_title(f"Attitude, {NE_EXACT_10}")
-        _heading(figure, "neighbouring extremals from changed initial conditions")
+        _heading(figure, "neighboring extremals from changed initial conditions")
         return figure
 
 

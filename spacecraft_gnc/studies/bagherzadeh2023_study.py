@@ -86,7 +86,7 @@ class Study(NamedTuple):
 
 
 class Nominal(NamedTuple):
-    """The stored run from the first initial condition, with its closed loop linearised."""
+    """The stored run from the first initial condition, with its closed loop linearized."""
 
     run: NominalRun
     closed_loop: Array
@@ -164,7 +164,7 @@ def _flown(
 
 
 def _predict(nominal: Nominal, start: Matrix3) -> Path:
-    """Propagate the deviation by the linearised closed loop; nothing measured comes in."""
+    """Propagate the deviation by the linearized closed loop; nothing measured comes in."""
     run, n = nominal.run, len(nominal.run)
     last = nominal.solver.ocp.body.step(run.attitudes[-1], run.momenta[-1], run.torques[-1])
     nominal_attitudes = np.concatenate([run.attitudes, last[0][None]])

@@ -157,7 +157,7 @@ def fly(
     watch, decisions = Stopwatch(loop.controller), GovernorStopwatch(loop.governor)
     timed = ClosedLoop(loop.plant, watch, decisions)
     if repeats > 1:
-        timed.run()  # caches, and the nominal run of a neighbouring extremal
+        timed.run()  # caches, and the nominal run of a neighboring extremal
     rows = []
     for i in range(repeats):
         done = i * scenario.n_steps

@@ -91,7 +91,7 @@ def _zone(axes: Axes, flights: Flights) -> None:
     axes.set_ylim(top=0.04)
     axes.annotate(
         "inside the zone", (times[-1], 0.0), xytext=(0, 3), textcoords="offset points",
-        ha="right", va="bottom", fontsize=8, color=style.LIMIT_COLOUR,
+        ha="right", va="bottom", fontsize=8, color=style.LIMIT_COLOR,
     )  # fmt: skip
 
 

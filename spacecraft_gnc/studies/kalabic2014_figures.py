@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.studies.flights import Flown
     from spacecraft_gnc.types import Array
 
-_BODY_AXES: Final = tuple({"color": color} for color in style.AXIS_COLOURS)
+_BODY_AXES: Final = tuple({"color": color} for color in style.AXIS_COLORS)
 _ZONE_VIEW: Final = sphere.View(azimuth_deg=40.0, elevation_deg=20.0)
 VIEW: Final = sphere.View(azimuth_deg=50.0, elevation_deg=38.0)
 
@@ -195,7 +195,7 @@ def _path(axes: Axes, flown: Flown, every: float) -> None:
     panels.attitude_sphere(axes, flight, flown.scenario.controller.zones, VIEW)
     stride = max(1, round(every / flight.period))
     attitudes, references = series.attitudes(flight)[::stride], flight.reference
-    for i, color in enumerate(style.AXIS_COLOURS):
+    for i, color in enumerate(style.AXIS_COLORS):
         picture, depth = VIEW.project(attitudes[:, :, i])
         near = picture[depth >= 0.0]
         axes.plot(near[:, 0], near[:, 1], "o", color=color, markersize=3.0, zorder=3.4)

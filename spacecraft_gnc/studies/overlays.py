@@ -21,9 +21,9 @@ WIDE: Final[dict[str, Any]] = {"linewidth": 4.0, "alpha": 0.3, "solid_capstyle":
 THIN: Final[dict[str, Any]] = {"linewidth": 1.2}
 LINES: Final[Sequence[dict[str, Any]]] = (
     {"color": style.INK, "linestyle": "-"},
-    {"color": style.AXIS_COLOURS[1], "linestyle": (0, (7, 2))},
-    {"color": style.AXIS_COLOURS[0], "linestyle": (0, (3, 1.2))},
-    {"color": style.AXIS_COLOURS[2], "linestyle": (0, (1.2, 1.0))},
+    {"color": style.AXIS_COLORS[1], "linestyle": (0, (7, 2))},
+    {"color": style.AXIS_COLORS[0], "linestyle": (0, (3, 1.2))},
+    {"color": style.AXIS_COLORS[2], "linestyle": (0, (1.2, 1.0))},
     {"color": "#CC79A7", "linestyle": (0, (4, 1.2, 1, 1.2))},
 )
 """Looks of lines that are told apart by their legend."""
@@ -40,7 +40,7 @@ def components(
     symbol: str,
     unit: str,
 ) -> None:
-    """Draw the x, y and z of several flights: colours tell the axes, strokes the flights.
+    """Draw the x, y and z of several flights: colors tell the axes, strokes the flights.
 
     Parameters
     ----------
@@ -53,9 +53,9 @@ def components(
     """
     scaled = style.prefixed(unit, *(values for values, _ in flights.values()))
     for values, look in flights.values():
-        for i, color in enumerate(style.AXIS_COLOURS):
+        for i, color in enumerate(style.AXIS_COLORS):
             axes.plot(times, scaled.factor * values[:, i], color=color, **look)
-    handles = [Line2D([], [], color=color) for color in style.AXIS_COLOURS]
+    handles = [Line2D([], [], color=color) for color in style.AXIS_COLORS]
     handles += [Line2D([], [], color=style.INK, **look) for _, look in flights.values()]
     labels = [f"${symbol}_{axis}$" for axis in "xyz"] + list(flights)
     frame(axes, times, title, f"{title.split(',', maxsplit=1)[0].lower()} [{scaled.label}]")

@@ -114,7 +114,7 @@ def test_a_violated_zone_is_told_of_its_instrument_only(resting):
 
 def test_a_violation_is_shown_in_red(resting):
     kept = animated_run("rest", rest(4), scenario({"kept": ZONES["kept"]}), 0)
-    red = 255.0 * np.array(to_rgb(style.LIMIT_COLOUR))
+    red = 255.0 * np.array(to_rgb(style.LIMIT_COLOR))
 
     def red_pixels(run):
         under_the_sphere = frame(scene(run), 1.6)[380:430]
@@ -146,5 +146,5 @@ def test_the_spacecraft_is_seen_from_the_observers_side():
     opening = (0.1, 0.1, 0.12)
     for angle, seen in ((0.0, True), (np.pi, False)):
         draw_spacecraft(axes, toward, lie.exp([0.0, 0.0, angle]), np.array([1.0, 0.0, 0.0]))
-        colours = axes.collections[-1].get_facecolor()[:, :3]
-        assert bool((np.abs(colours - opening).max(axis=1) < 0.05).any()) == seen
+        colors = axes.collections[-1].get_facecolor()[:, :3]
+        assert bool((np.abs(colors - opening).max(axis=1) < 0.05).any()) == seen

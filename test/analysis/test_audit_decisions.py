@@ -117,7 +117,7 @@ def test_a_target_left_out_is_caught(bag, tmp_path):
     assert first_of(audit)[:2] == (CHECK, 7)
 
 
-def test_a_governor_that_was_started_anew_is_recognised(tmp_path):
+def test_a_governor_that_was_started_anew_is_recognized(tmp_path):
     audit = audit_bag(fly(tmp_path, scenario(), targets=TARGETS, anew=[12]))
     assert audit.passed, audit.first
     anew = "the governor started anew at step 12"

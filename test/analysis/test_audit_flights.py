@@ -29,7 +29,7 @@ CODEC_NAMES = {"/torque_command": "TorqueCommand", "/plant_invariants": "PlantIn
 FLIGHTS = {
     "single shooting": {"nmpc_controller": {"formulation": "single_shooting"}},
     "estimated": {"nmpc_controller": {"variant": "estimated_du"}},
-    "on-line neighbouring extremals": {"nmpc_controller": {"method": "neighboring_extremal"}},
+    "on-line neighboring extremals": {"nmpc_controller": {"method": "neighboring_extremal"}},
     "a stored run": {
         "nmpc_controller": {
             "method": "neighboring_extremal",
@@ -134,7 +134,7 @@ def examined(audit):
 
 
 def test_every_rung_of_the_ladder_is_worked_out_again(tmp_path):
-    """Feedback without a plan, corrections of one, its torques towards another target, feedback.
+    """Feedback without a plan, corrections of one, its torques toward another target, feedback.
 
     The failures are forged, which the audit finds too; what the ladder made of them is right.
     """
@@ -144,7 +144,7 @@ def test_every_rung_of_the_ladder_is_worked_out_again(tmp_path):
     audit = audit_bag(flown)
     assert [check.name for check in audit.checks if check.first] == [FAILURES]
     assert examined(audit)["rung of the ladder"] == len(failing)
-    assert examined(audit)["neighbouring extremal of an earlier plan"] == 4
+    assert examined(audit)["neighboring extremal of an earlier plan"] == 4
     sources = {data[60] for topic, _, data in messages_of(flown) if topic == "/torque_command"}
     assert sources == {Source.OPTIMAL, Source.NEIGHBORING_EXTREMAL, Source.SHIFTED_PLAN,
                        Source.FEEDBACK}  # fmt: skip

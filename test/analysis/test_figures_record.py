@@ -90,11 +90,11 @@ def test_steps_taken_together_show_their_lowest_rung(width):
     assert {9 if s.source == NOT_RECORDED else s.source for s in found} == worst
 
 
-def test_the_band_has_the_colours_of_the_ladder():
+def test_the_band_has_the_colors_of_the_ladder():
     flight = at_rest(24, source=np.repeat(np.arange(6), 4))
     (axes,) = record_makers(flight, computed(flight))["sources"]().axes
-    colours = [to_hex(bar.get_facecolor()).upper() for bar in axes.patches]
-    assert colours == list(style.SOURCE_COLOURS)
+    colors = [to_hex(bar.get_facecolor()).upper() for bar in axes.patches]
+    assert colors == list(style.SOURCE_COLORS)
 
 
 def test_flights_over_each_other_keep_their_names_and_numbers():

@@ -44,7 +44,7 @@ def test_case_1_of_gupta_2015():
 
 
 def test_a_feedback_law_has_no_stage_costs():
-    """It minimises none: the weights that a scenario has by default are not its own."""
+    """It minimizes none: the weights that a scenario has by default are not its own."""
     assert summarize(case1(), scenario(method="feedback"))["cost"] is None
 
 

@@ -103,7 +103,7 @@ def test_the_slider_moves_the_body_axes_to_the_recorded_attitude(opened):
     assert console_errors(opened) == []
 
 
-def test_an_arrow_starts_at_the_centre_and_ends_on_the_sphere(opened):
+def test_an_arrow_starts_at_the_center_and_ends_on_the_sphere(opened):
     traces = opened.execute_script(ARROWS)
     for axis in "xyz":
         foot, tip = np.array(traces[f"body {axis}"]).T

@@ -42,7 +42,7 @@ def test_the_report_is_as_wide_as_a_wide_terminal(report):
     assert not any(line != line.rstrip() for line in report.lines())
 
 
-def test_neighbouring_extremals_do_not_drift_but_their_open_loop_does(bagherzadeh):
+def test_neighboring_extremals_do_not_drift_but_their_open_loop_does(bagherzadeh):
     for start in bagherzadeh.values["starts"].values():
         largest, end = start["error_max_deg"], start["error_end_deg"]
         assert end["NE not cut"] < 0.02 * largest["NE not cut"] + 0.01

@@ -68,7 +68,7 @@ def test_without_an_inertia_the_energy_is_not_known():
     assert (found.inertial_momentum == 0.0).all()
 
 
-def test_a_lost_state_does_not_hide_the_error_of_the_neighbouring_extremals():
+def test_a_lost_state_does_not_hide_the_error_of_the_neighboring_extremals():
     source = np.full(20, Source.NEIGHBORING_EXTREMAL)
     attitude = np.tile(np.eye(3), (20, 1, 1))
     attitude[4] = np.nan

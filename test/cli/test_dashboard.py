@@ -59,10 +59,10 @@ def rows_of(text: str) -> list[str]:
     return [" ".join(row.strip("│ ").split()) for row in text.splitlines()]
 
 
-def shown(picture: Picture, *, colours: bool = False) -> str:
+def shown(picture: Picture, *, colors: bool = False) -> str:
     out = StringIO()
-    system = "truecolor" if colours else None
-    console = Console(file=out, width=100, force_terminal=colours, color_system=system)
+    system = "truecolor" if colors else None
+    console = Console(file=out, width=100, force_terminal=colors, color_system=system)
     console.print(render(picture, SETUP))
     return out.getvalue()
 
@@ -110,13 +110,13 @@ def test_bars_end_at_the_limit() -> None:
     assert rows["z"].index("█") < rows["x"].index("█")
 
 
-def test_no_colours_where_nobody_sees_them() -> None:
+def test_no_colors_where_nobody_sees_them() -> None:
     assert "\x1b[" not in shown(PICTURE)
-    assert "\x1b[" in shown(PICTURE, colours=True)
+    assert "\x1b[" in shown(PICTURE, colors=True)
 
 
 def test_a_fallback_stands_out() -> None:
-    assert "\x1b[33mzero" in shown(with_values(source="zero"), colours=True)
+    assert "\x1b[33mzero" in shown(with_values(source="zero"), colors=True)
 
 
 @pytest.mark.parametrize("missing", ["attitude", "reference", "torque", "solve", "decision"])

@@ -33,7 +33,7 @@ def test_exp_inverts_log(rotation):
 def test_log_inverts_exp_up_to_the_sign_at_the_half_turn(v):
     back = lie.log(lie.exp(v))
     angle = np.linalg.norm(v)
-    if angle > math.pi - 1e-7:  # v and v - 2 pi v/|v| are neighbours here
+    if angle > math.pi - 1e-7:  # v and v - 2 pi v/|v| are neighbors here
         assert (
             min(np.abs(back - v).max(), np.abs(back + v * (2 * math.pi / angle - 1)).max()) < 1e-7
         )

@@ -18,16 +18,16 @@ from spacecraft_gnc.vehicles.rigid_body.live import RigidBodyLive
 INK = """
 const canvas = document.getElementById(arguments[0]);
 const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
-const colours = new Set();
+const colors = new Set();
 for (let i = 0; i < data.length; i += 4) {
-  if (data[i + 3] > 0) colours.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
+  if (data[i + 3] > 0) colors.add((data[i] << 16) | (data[i + 1] << 8) | data[i + 2]);
 }
-return colours.size;
+return colors.size;
 """
 CANVASES = {
     "scene": 5, "panel-torque": 5, "panel-error": 5, "panel-momentum": 5, "panel-source": 3
 }  # fmt: skip
-"""With the number of colours that each has at least."""
+"""With the number of colors that each has at least."""
 ZONES = ("star", "sun_keep_out_of_the_star_tracker")
 LONGEST = {
     **RigidBodyLive().readouts(
@@ -136,7 +136,7 @@ def test_the_axes_are_drawn_where_the_attitude_has_them(page, stage) -> None:
         toward[2] * right[0] - toward[0] * right[2],
         toward[0] * right[1] - toward[1] * right[0],
     )
-    x0, y0, radius = page.execute_script("return [...view.scene.centre, view.scene.radius]")
+    x0, y0, radius = page.execute_script("return [...view.scene.center, view.scene.radius]")
     attitude = state(page, "frame.attitude")
     for i, name in enumerate("xyz"):
         axis = attitude[i::3]

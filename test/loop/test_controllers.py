@@ -1,4 +1,4 @@
-"""Controllers beside the plain one: neighbouring extremals, continuation, scipy's solvers."""
+"""Controllers beside the plain one: neighboring extremals, continuation, scipy's solvers."""
 
 from __future__ import annotations
 

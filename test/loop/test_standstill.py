@@ -180,7 +180,7 @@ def parked(monitor_limit=LIMIT, zones=()):
 
 
 def stub(monkeypatch, radius, mode=0):
-    """Have the loop linearised as diagonal, with one eigenvalue of a given size."""
+    """Have the loop linearized as diagonal, with one eigenvalue of a given size."""
 
     class Stub:
         closed_loop = np.diag([radius if i == mode else 0.5 for i in range(6)])

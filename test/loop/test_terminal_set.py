@@ -109,7 +109,7 @@ def test_out_of_reach_in_flight_the_ladder_answers():
     assert 0.0 < np.linalg.norm(late.control) <= 0.02 * (1.0 + 1e-15)
 
 
-def test_its_neighbouring_extremal_is_that_of_its_own_problem():
+def test_its_neighboring_extremal_is_that_of_its_own_problem():
     """Where one solve fails, the ladder corrects the plan as the next solve would have."""
     controller = TerminalSetController(TerminalSetSolver(paper(20, "without_kappa")))
     controller.warm_up()

@@ -1,4 +1,4 @@
-"""The SlewTo action: reached, preempted, cancelled, refused."""
+"""The SlewTo action: reached, preempted, canceled, refused."""
 
 from __future__ import annotations
 
@@ -109,10 +109,10 @@ def test_a_newer_goal_preempts(flight: Flight) -> None:
     assert flight.result(second)[1].reached
 
 
-def test_cancelled_holds_the_target(flight: Flight) -> None:
+def test_canceled_holds_the_target(flight: Flight) -> None:
     handle, result = flight.send(0.5)
-    cancelling = handle.cancel_goal_async()
-    flight.ros.spin_until(cancelling.done)
+    canceling = handle.cancel_goal_async()
+    flight.ros.spin_until(canceling.done)
     flight.fly(0.1)
     status, answer = flight.result(result)
     assert status == GoalStatus.STATUS_CANCELED

@@ -71,7 +71,7 @@ def minimum(cost, shape):
 
 @pytest.mark.parametrize("limit", [0.0, 0.01], ids=["unlimited", "limited"])
 @pytest.mark.parametrize("actuators", SHAPES.values(), ids=SHAPES)
-def test_the_optimum_equals_an_independent_minimisation(actuators, limit):
+def test_the_optimum_equals_an_independent_minimization(actuators, limit):
     ocp = problem(actuators, limit)
     solution = ShootingSolver(ocp).solve(START, MOMENTUM)
     assert solution.converged

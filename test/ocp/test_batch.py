@@ -43,7 +43,7 @@ def test_every_row_is_a_single_solve_bit_for_bit(formulation, step_rule):
     assert batch.status[7] == Status.UNSOLVABLE_STEP
     assert np.count_nonzero(batch.converged) > 30
     for i in range(40):
-        # A chord carries over what it factorised: each row is that of a new solver.
+        # A chord carries over what it factorized: each row is that of a new solver.
         alone = ShootingSolver(ocp, options=options) if step_rule == "chord" else solver
         single = alone.solve(attitudes[i], momenta[i], reference)
         assert (batch.status[i], batch.iterations[i]) == (single.status, single.iterations)

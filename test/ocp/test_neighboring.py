@@ -1,4 +1,4 @@
-"""Neighbouring extremals: the gains, the on-line method, and the study along a nominal run."""
+"""Neighboring extremals: the gains, the on-line method, and the study along a nominal run."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_gains_are_the_derivative_of_the_exact_optimum(case_1, state):
         carried[3:] += ocp.time_step * change
 
 
-def test_one_closed_loop_step_is_linearised(case_1):
+def test_one_closed_loop_step_is_linearized(case_1):
     ocp, solver = case_1[0], ShootingSolver(case_1[0])
     attitude, momentum = STATES[1]
     solution = solver.solve(attitude, momentum)
@@ -198,7 +198,7 @@ def test_a_second_correction_is_made_where_no_contraction_was_seen(case_1):
 
 
 class Sequence:
-    """A quiet stretch of Case I, on which neighbouring extremals answer."""
+    """A quiet stretch of Case I, on which neighboring extremals answer."""
 
     def __init__(self, ocp, **options):
         self.online = NeighboringExtremal(ocp, NeighboringOptions(tolerance=0.1, **options))
@@ -327,5 +327,5 @@ def test_the_study_along_a_nominal_run(case_1, nominal, second, raw, cut, clippe
     bound = cut if clipped else raw
     assert 0.5 * bound[0] < max(errors) < bound[0]
     assert errors[-1] < bound[1]
-    # Raw, a neighbouring extremal does not know the limit.
+    # Raw, a neighboring extremal does not know the limit.
     assert largest <= LIMIT * (1.0 + 4e-16) if clipped else largest > 1.03 * LIMIT

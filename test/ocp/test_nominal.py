@@ -1,4 +1,4 @@
-"""Neighbouring extremals along a stored run."""
+"""Neighboring extremals along a stored run."""
 
 from __future__ import annotations
 

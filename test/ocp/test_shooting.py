@@ -1,4 +1,4 @@
-"""The shooting solver against the paper's figures, differences and another minimiser."""
+"""The shooting solver against the paper's figures, differences and another minimizer."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_a_converged_solve_is_stationary_for_the_printed_cost(ocp, attitude, mom
 
 
 @pytest.mark.parametrize("limit", [0.0, 0.01], ids=["unlimited", "limited"])
-def test_the_optimum_equals_an_independent_minimisation(case_1, limit):
+def test_the_optimum_equals_an_independent_minimization(case_1, limit):
     base, attitude, momentum = case_1
     ocp = AttitudeOcp(base.inertia, 0.4, 5, Weights(), max_torque=limit, torque_penalty=1e6)
     solution = ShootingSolver(ocp).solve(attitude, momentum)

@@ -58,7 +58,7 @@ def test_every_way_leads_to_the_same_optimum(case_1, formulation, step_rule, var
         assert solution.formulation == formulation
         assert np.abs(solution.torques - exact.torques).max() < SAME
         assert solution.cost == pytest.approx(exact.cost, rel=1e-12)
-        # The pivot belongs to the last linearisation, one step (of half length: damped) away.
+        # The pivot belongs to the last linearization, one step (of half length: damped) away.
         assert solution.min_curvature == pytest.approx(exact.min_curvature, rel=1e-3)
         warm = solution.warm_start
 

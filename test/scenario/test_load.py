@@ -310,7 +310,7 @@ def test_what_ros_refuses_is_refused(text: str, words: str, tmp_path: Path) -> N
 
 
 @given(st.floats(1e-6, 1e3), st.integers(1, 10**6))
-def test_whole_multiples_are_recognised(step: float, count: int) -> None:
+def test_whole_multiples_are_recognized(step: float, count: int) -> None:
     assert steps_in(step * count, step) == count
     assert steps_in(step * (count + 0.5), step) is None
 

@@ -142,7 +142,7 @@ def _chart(chart: Chart) -> str:
     note = chart.note or (chart.variants[0].note if chart.variants else "")
     shape = " wide" if chart.wide else ""
     return (
-        f'<section class="chart{shape}" aria-labelledby="h-{name}"><div class=head>'
+        f'<section class="chart{shape}" aria-labeledby="h-{name}"><div class=head>'
         f'<h3 id="h-{name}">{html.escape(chart.title)}</h3>{controls}</div>'
         f'<div id="{name}" class=plot role=img aria-label="{html.escape(chart.title)}"></div>'
         f'<p class=note id="n-{name}">{html.escape(note)}</p></section>'

@@ -31,7 +31,7 @@ class Telemetry:
     min_curvature : (n,) array
         Smallest eigenvalue of the reduced Hessian [cost per (N m)^2].
     closed_loop_radius : (n,) array
-        Spectral radius of the closed loop, linearised at a standstill.
+        Spectral radius of the closed loop, linearized at a standstill.
     deadline_slack : (n,) array
         Wall time left before the deadline when the solve ended [s]; NaN without a deadline.
     kinetic_energy : (n + 1,) array

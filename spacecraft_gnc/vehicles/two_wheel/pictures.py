@@ -167,8 +167,8 @@ def _of_runs(
     label: str,
 ) -> None:
     for i, run in enumerate(runs):
-        colour = style.RUN_COLOURS[i % len(style.RUN_COLOURS)] if len(runs) > 1 else style.INK
-        axes.plot(run.times, values(run.trajectory), color=colour, label=run.name)
+        color = style.RUN_COLORS[i % len(style.RUN_COLORS)] if len(runs) > 1 else style.INK
+        axes.plot(run.times, values(run.trajectory), color=color, label=run.name)
     longest = max(runs, key=lambda run: float(run.times[-1]))
     frame(axes, longest.times, title, label)
     if len(runs) > 1:

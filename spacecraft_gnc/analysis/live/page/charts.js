@@ -25,8 +25,8 @@ function begin(canvas) {
   return [pen, w, h];
 }
 
-function label(pen, text, x, y, align, colour = TEXT) {
-  pen.fillStyle = colour;
+function label(pen, text, x, y, align, color = TEXT) {
+  pen.fillStyle = color;
   pen.textAlign = align;
   pen.textBaseline = "middle";
   pen.fillText(text, x, y);
@@ -44,7 +44,7 @@ function ticks(low, high, count) {
 const amount = (v) => (v !== 0 && Math.abs(v) < 0.01 ? v.toExponential(1) : `${+v.toPrecision(3)}`);
 
 // A bar for each component now, and one for their norm; the limit applies to that or else to each.
-// `rows`: [[name, value, colour]].
+// `rows`: [[name, value, color]].
 export function drawBars(canvas, rows, { limit, unit }, largest, bad) {
   const [pen, w, h] = begin(canvas);
   const scale = 1.15 * Math.max(limit, largest) || 1;
@@ -54,14 +54,14 @@ export function drawBars(canvas, rows, { limit, unit }, largest, bad) {
   const half = (w - left - right) / 2;
   const zero = left + half;
   const row = h / Math.max(rows.length, 1);
-  rows.forEach(([text, value, colour], i) => {
+  rows.forEach(([text, value, color], i) => {
     const y = i * row + row / 2;
     pen.fillStyle = GRID;
     pen.fillRect(left, y - row * 0.3, 2 * half, row * 0.6);
     label(pen, text, left - 8, y, "right");
     if (value === null || value === undefined) return;
     const length = (half * value) / scale;
-    pen.fillStyle = limit > 0 && Math.abs(value) >= 0.999 * limit ? bad : colour;
+    pen.fillStyle = limit > 0 && Math.abs(value) >= 0.999 * limit ? bad : color;
     pen.fillRect(Math.min(zero, zero + length), y - row * 0.3, Math.abs(length), row * 0.6);
     label(pen, `${amount(value * factor)} ${name}${unit}`, w - 4, y, "right", INK);
   });
@@ -74,18 +74,18 @@ export function drawBars(canvas, rows, { limit, unit }, largest, bad) {
   }
 }
 
-function line(pen, x0, y0, x1, y1, colour, width, dash = []) {
+function line(pen, x0, y0, x1, y1, color, width, dash = []) {
   pen.setLineDash(dash);
   pen.beginPath();
   pen.moveTo(x0, y0);
   pen.lineTo(x1, y1);
-  pen.strokeStyle = colour;
+  pen.strokeStyle = color;
   pen.lineWidth = width;
   pen.stroke();
   pen.setLineDash([]);
 }
 
-// Series over time. `series`: [{values, colour, width}]; `span`: [start, end] [s]; what lies after
+// Series over time. `series`: [{values, color, width}]; `span`: [start, end] [s]; what lies after
 // `now` is faint.
 export function drawStrip(canvas, times, series, span, now, { log = false, factor = 1, limit = 0, bad = "" } = {}) {
   const [pen, w, h] = begin(canvas);
@@ -131,7 +131,7 @@ function within(pen, x, y, w, h, draw) {
   pen.restore();
 }
 
-function curve(pen, times, row, x, y, { colour, width = 1.6 }) {
+function curve(pen, times, row, x, y, { color, width = 1.6 }) {
   pen.beginPath();
   let down = false;
   row.forEach((v, k) => {
@@ -142,7 +142,7 @@ function curve(pen, times, row, x, y, { colour, width = 1.6 }) {
     pen[down ? "lineTo" : "moveTo"](x(times[k]), y(v));
     down = true;
   });
-  pen.strokeStyle = colour;
+  pen.strokeStyle = color;
   pen.lineWidth = width;
   pen.stroke();
 }
@@ -167,8 +167,8 @@ function decade(v) {
   return power >= -3 && power <= 3 ? `${+(10 ** power).toPrecision(1)}` : `1e${power}`;
 }
 
-// A word over time, by its colour.
-export function drawBand(canvas, times, words, wordColours, span, now) {
+// A word over time, by its color.
+export function drawBand(canvas, times, words, wordColors, span, now) {
   const [pen, w, h] = begin(canvas);
   const [x0, x1] = [MARGIN.left, w - MARGIN.right];
   const x = (t) => x0 + ((x1 - x0) * (t - span[0])) / (span[1] - span[0]);
@@ -178,17 +178,17 @@ export function drawBand(canvas, times, words, wordColours, span, now) {
   for (const [from, to, alpha] of [[x0, edge, 1], [edge, x1, 0.35]]) {
     within(pen, from, 0, to - from, h, () => {
       pen.globalAlpha = alpha;
-      bands(pen, times, words, wordColours, x, h);
+      bands(pen, times, words, wordColors, x, h);
     });
   }
   line(pen, edge, 0, edge, h, INK, 1);
 }
 
-function bands(pen, times, words, wordColours, x, h) {
+function bands(pen, times, words, wordColors, x, h) {
   for (let k = 0; k < times.length;) {
     let end = k + 1;
     while (end < times.length && words[end] === words[k]) end += 1;
-    const known = wordColours[words[k]];
+    const known = wordColors[words[k]];
     if (known) {
       const until = end < times.length ? times[end] : times[end - 1];
       pen.fillStyle = known;

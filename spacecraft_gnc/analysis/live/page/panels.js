@@ -15,9 +15,9 @@ const list = (value) => (Array.isArray(value) ? value : [value]);
 const rounded = (value) => `${+value.toPrecision(4)}`;
 
 export class Panels {
-  constructor(place, colours) {
+  constructor(place, colors) {
     this.place = place;
-    this.colours = colours;
+    this.colors = colors;
     this.cards = [];
   }
 
@@ -32,7 +32,7 @@ export class Panels {
       if (panel.kind === "bars") {
         this.#bars(canvas, panel, frame[panel.series[0].key], column(panel.series[0].key));
       } else if (panel.kind === "band") {
-        drawBand(canvas, times, column(panel.series[0].key), panel.colours, span, now);
+        drawBand(canvas, times, column(panel.series[0].key), panel.colors, span, now);
       } else {
         this.#strip(canvas, panel, unit, keys, column, [times, span, now]);
       }
@@ -46,7 +46,7 @@ export class Panels {
     [canvas.id, unit.id] = [`panel-${panel.name}`, `panel-${panel.name}-note`];
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", panel.title);
-    if (panel.kind === "band") showKeys(keys, Object.entries(panel.colours));
+    if (panel.kind === "band") showKeys(keys, Object.entries(panel.colors));
     head.append(unit, keys);
     section.append(head, canvas);
     return { panel, section, canvas, unit, keys };
@@ -63,8 +63,8 @@ export class Panels {
     return series.names[i] ?? `${panel.numbered}${i + 1}`;
   }
 
-  #colour(i) {
-    return [this.colours.x, this.colours.y, this.colours.z, ...MORE][i % (3 + MORE.length)];
+  #color(i) {
+    return [this.colors.x, this.colors.y, this.colors.z, ...MORE][i % (3 + MORE.length)];
   }
 
   #bars(canvas, panel, value, past) {
@@ -72,9 +72,9 @@ export class Panels {
     const size = (v) => (panel.norm ? Math.hypot(...v) : Math.max(0, ...v.map(Math.abs)));
     const largest = [...past, value].reduce((most, v) => Math.max(most, v ? size(v) : 0), 0);
     const shown = value ?? Array(series.names.length).fill(null);
-    const rows = list(shown).map((v, i) => [this.#name(panel, series, i), v, this.#colour(i)]);
+    const rows = list(shown).map((v, i) => [this.#name(panel, series, i), v, this.#color(i)]);
     if (panel.norm) rows.push([panel.norm, value ? Math.hypot(...value) : null, "#c9d3df"]);
-    drawBars(canvas, rows, panel, largest, this.colours.bad);
+    drawBars(canvas, rows, panel, largest, this.colors.bad);
   }
 
   #strip(canvas, panel, unit, keys, column, [times, span, now]) {
@@ -84,14 +84,14 @@ export class Panels {
       return Array.from({ length: count }, (_, i) => ({
         name: this.#name(panel, series, i),
         values: values.map((v) => (v === null ? null : list(v)[i])),
-        colour: series.colour || this.#colour(i),
+        color: series.color || this.#color(i),
       }));
     });
     const largest = curves.reduce((most, c) => c.values.reduce((m, v) => Math.max(m, Math.abs(v ?? 0)), most), 0);
     const [factor, name] = panel.log || panel.unit === "deg" ? [1, ""] : prefix(largest);
     if (!panel.log) unit.textContent = `${name}${panel.unit}`;
-    if (keys.childElementCount !== curves.length) showKeys(keys, curves.map((c) => [c.name, c.colour]));
+    if (keys.childElementCount !== curves.length) showKeys(keys, curves.map((c) => [c.name, c.color]));
     const { log, limit } = panel;
-    drawStrip(canvas, times, curves, span, now, { log, factor, limit, bad: this.colours.bad });
+    drawStrip(canvas, times, curves, span, now, { log, factor, limit, bad: this.colors.bad });
   }
 }

@@ -6,7 +6,7 @@ const FAR = 0.22; // opacity of the far side
 const RADIUS = 0.41; // of the sphere, in widths of the canvas
 const TURN = 0.008; // [rad] for each pixel of a drag
 const HALF = [0.17, 0.12, 0.12]; // half sides of the body
-const PANELS = [[0, 0.36, 0], [0, -0.36, 0]]; // centres of the solar panels
+const PANELS = [[0, 0.36, 0], [0, -0.36, 0]]; // centers of the solar panels
 const PANEL = [0.1, 0.2, 0.008];
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -26,9 +26,9 @@ function quaternionAxis([x, y, z, w], i) {
 }
 
 export class Scene {
-  constructor(canvas, colours, redraw) {
+  constructor(canvas, colors, redraw) {
     this.canvas = canvas;
-    this.colours = colours;
+    this.colors = colors;
     this.azimuth = 0.6;
     this.elevation = 0.42;
     this.tips = {}; // where the tips of the body axes were drawn [px], and their depth
@@ -66,7 +66,7 @@ export class Scene {
     this.pen = this.canvas.getContext("2d");
     this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     this.pen.lineCap = this.pen.lineJoin = "round";
-    this.centre = [w / 2, h / 2];
+    this.center = [w / 2, h / 2];
     this.radius = RADIUS * Math.min(w, h);
     const [ce, se] = [Math.cos(this.elevation), Math.sin(this.elevation)];
     const [ca, sa] = [Math.cos(this.azimuth), Math.sin(this.azimuth)];
@@ -78,18 +78,18 @@ export class Scene {
   // Picture coordinates [px] and depth (positive: near) of an inertial vector.
   #project(v) {
     const [x, y] = [dot(v, this.right), dot(v, this.up)];
-    return [this.centre[0] + this.radius * x, this.centre[1] - this.radius * y, dot(v, this.toward)];
+    return [this.center[0] + this.radius * x, this.center[1] - this.radius * y, dot(v, this.toward)];
   }
 
   #sphere(graticule) {
     const { pen } = this;
     pen.beginPath();
-    pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
+    pen.arc(...this.center, this.radius, 0, 2 * Math.PI);
     pen.fillStyle = "#141b25";
     pen.fill();
     for (const line of graticule) this.#curve(line, "#3a4858", 0.7);
     pen.beginPath();
-    pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
+    pen.arc(...this.center, this.radius, 0, 2 * Math.PI);
     pen.strokeStyle = "#6d7d8f";
     pen.lineWidth = 1;
     pen.stroke();
@@ -103,10 +103,10 @@ export class Scene {
   }
 
   // A curve on the sphere, its far side faint.
-  #curve(points, colour, width, dash = []) {
+  #curve(points, color, width, dash = []) {
     const shown = points.map((p) => this.#project(p));
     const { pen } = this;
-    pen.strokeStyle = colour;
+    pen.strokeStyle = color;
     pen.lineWidth = width;
     pen.setLineDash(dash);
     for (const near of [false, true]) {
@@ -125,36 +125,36 @@ export class Scene {
 
   // A zone, and the circle (points) where its cone cuts the sphere.
   #cap(zone, border) {
-    const colour = zone.kind === "exclusion" ? this.colours.bad : this.colours.good;
+    const color = zone.kind === "exclusion" ? this.colors.bad : this.colors.good;
     const angle = (zone.half_angle_deg * Math.PI) / 180;
     const rim = border.map((p) => this.#project(p));
-    for (const side of [-1, 1]) this.#fillCap(rim, angle > Math.PI / 2, side, colour, zone);
-    this.#curve(border, colour, 1.5);
+    for (const side of [-1, 1]) this.#fillCap(rim, angle > Math.PI / 2, side, color, zone);
+    this.#curve(border, color, 1.5);
     const at = this.#project(zone.inertial_axis);
     this.pen.globalAlpha = at[2] >= 0 ? 1 : FAR;
-    this.#text(zone.name, [at[0], at[1] - this.radius * Math.sin(angle) - 9], colour);
+    this.#text(zone.name, [at[0], at[1] - this.radius * Math.sin(angle) - 9], color);
     this.pen.globalAlpha = 1;
   }
 
   // The part of a cap on one side of the limb. Points of its rim beyond the limb are put on it, so
   // that the outline runs along the limb between the two crossings.
-  #fillCap(rim, isLarge, side, colour, zone) {
+  #fillCap(rim, isLarge, side, color, zone) {
     const inside = rim.some((p) => side * p[2] >= 0);
     const middle = side * dot(zone.inertial_axis, this.toward) > 0;
     if (!inside && !(isLarge && middle)) return;
     const { pen } = this;
     pen.beginPath();
-    if (isLarge) pen.arc(...this.centre, this.radius, 0, 2 * Math.PI);
+    if (isLarge) pen.arc(...this.center, this.radius, 0, 2 * Math.PI);
     if (inside) {
       rim.forEach((p, k) => {
-        const out = [p[0] - this.centre[0], p[1] - this.centre[1]];
+        const out = [p[0] - this.center[0], p[1] - this.center[1]];
         const scale = side * p[2] >= 0 ? 1 : this.radius / Math.max(Math.hypot(...out), 1e-9);
-        pen[k ? "lineTo" : "moveTo"](this.centre[0] + scale * out[0], this.centre[1] + scale * out[1]);
+        pen[k ? "lineTo" : "moveTo"](this.center[0] + scale * out[0], this.center[1] + scale * out[1]);
       });
       pen.closePath();
     }
     pen.globalAlpha = side > 0 ? 0.35 : 0.35 * FAR;
-    pen.fillStyle = colour;
+    pen.fillStyle = color;
     pen.fill("evenodd");
     pen.globalAlpha = 1;
   }
@@ -162,7 +162,7 @@ export class Scene {
   #trails(trail) {
     if (!trail.length) return;
     AXES.forEach((name, i) => {
-      this.#curve(trail.map((q) => quaternionAxis(q, i)), this.colours[name], 1.6);
+      this.#curve(trail.map((q) => quaternionAxis(q, i)), this.colors[name], 1.6);
     });
   }
 
@@ -175,7 +175,7 @@ export class Scene {
       pen.setLineDash(dash);
       pen.beginPath();
       pen.arc(x, y, size, 0, 2 * Math.PI);
-      pen.strokeStyle = this.colours[name];
+      pen.strokeStyle = this.colors[name];
       pen.lineWidth = 1.6;
       pen.stroke();
     });
@@ -187,14 +187,14 @@ export class Scene {
     const axes = AXES.map((name, i) => [name, this.#project(bodyAxis(rotation, i))]);
     const arrow = ([name, tip]) => {
       this.pen.globalAlpha = tip[2] >= 0 ? 1 : 0.5;
-      this.#arrow(tip, this.colours[name], name);
+      this.#arrow(tip, this.colors[name], name);
       this.tips[name] = tip;
     };
     axes.filter(([, tip]) => tip[2] < 0).forEach(arrow);
     this.#box(rotation);
     for (const zone of setup?.zones ?? []) {
       const tip = this.#project(rotate(rotation, zone.body_axis));
-      this.#line(this.#project([0, 0, 0]), tip, this.colours.warn, 1.2, [2, 3]);
+      this.#line(this.#project([0, 0, 0]), tip, this.colors.warn, 1.2, [2, 3]);
     }
     axes.filter(([, tip]) => tip[2] >= 0).forEach(arrow);
     this.pen.globalAlpha = 1;
@@ -202,11 +202,11 @@ export class Scene {
 
   #box(rotation) {
     const faces = [[[0, 0, 0], HALF, "#c9d3df"], ...PANELS.map((c) => [c, PANEL, "#3d63a8"])]
-      .flatMap(([centre, half, colour]) => boxFaces(centre, half, colour));
-    const placed = faces.map(({ corners, normal, colour }) => {
+      .flatMap(([center, half, color]) => boxFaces(center, half, color));
+    const placed = faces.map(({ corners, normal, color }) => {
       const shown = corners.map((c) => this.#project(rotate(rotation, c)));
       const facing = dot(rotate(rotation, normal), this.toward);
-      return { shown, facing, colour, depth: shown.reduce((sum, p) => sum + p[2], 0) };
+      return { shown, facing, color, depth: shown.reduce((sum, p) => sum + p[2], 0) };
     });
     const { pen } = this;
     for (const face of placed.sort((a, b) => a.depth - b.depth)) {
@@ -214,7 +214,7 @@ export class Scene {
       pen.beginPath();
       face.shown.forEach((p, k) => pen[k ? "lineTo" : "moveTo"](p[0], p[1]));
       pen.closePath();
-      pen.fillStyle = face.colour;
+      pen.fillStyle = face.color;
       pen.fill();
       pen.fillStyle = `rgba(8, 12, 18, ${0.65 * (1 - face.facing)})`; // shade
       pen.fill();
@@ -224,40 +224,40 @@ export class Scene {
     }
   }
 
-  #arrow(tip, colour, name) {
+  #arrow(tip, color, name) {
     const { pen } = this;
-    this.#line(this.centre, tip, colour, 2.2);
+    this.#line(this.center, tip, color, 2.2);
     pen.beginPath();
     pen.arc(tip[0], tip[1], 4, 0, 2 * Math.PI);
-    pen.fillStyle = colour;
+    pen.fillStyle = color;
     pen.fill();
-    const out = [tip[0] - this.centre[0], tip[1] - this.centre[1]];
+    const out = [tip[0] - this.center[0], tip[1] - this.center[1]];
     const length = Math.max(Math.hypot(...out), 1);
-    this.#text(name, [tip[0] + (13 * out[0]) / length, tip[1] + (13 * out[1]) / length], colour);
+    this.#text(name, [tip[0] + (13 * out[0]) / length, tip[1] + (13 * out[1]) / length], color);
   }
 
-  #line(from, to, colour, width, dash = []) {
+  #line(from, to, color, width, dash = []) {
     const { pen } = this;
     pen.setLineDash(dash);
     pen.beginPath();
     pen.moveTo(from[0], from[1]);
     pen.lineTo(to[0], to[1]);
-    pen.strokeStyle = colour;
+    pen.strokeStyle = color;
     pen.lineWidth = width;
     pen.stroke();
     pen.setLineDash([]);
   }
 
-  #text(text, at, colour) {
+  #text(text, at, color) {
     this.pen.font = "600 13px system-ui, 'DejaVu Sans', sans-serif";
     this.pen.textAlign = "center";
     this.pen.textBaseline = "middle";
-    this.pen.fillStyle = colour;
+    this.pen.fillStyle = color;
     this.pen.fillText(text, at[0], at[1]);
   }
 }
 
-function boxFaces(centre, half, colour) {
+function boxFaces(center, half, color) {
   const faces = [];
   for (const i of [0, 1, 2]) {
     for (const sign of [-1, 1]) {
@@ -265,13 +265,13 @@ function boxFaces(centre, half, colour) {
       normal[i] = sign;
       const [j, k] = [(i + 1) % 3, (i + 2) % 3];
       const corners = [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([a, b]) => {
-        const corner = [...centre];
+        const corner = [...center];
         corner[i] += sign * half[i];
         corner[j] += a * half[j];
         corner[k] += b * half[k];
         return corner;
       });
-      faces.push({ corners, normal, colour });
+      faces.push({ corners, normal, color });
     }
   }
   return faces;

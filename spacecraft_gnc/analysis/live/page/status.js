@@ -35,12 +35,12 @@ export function showSetup(setup) {
   document.title = `${setup.title} – gnc view`;
 }
 
-// Coloured words that explain the lines of a chart.
+// Colored words that explain the lines of a chart.
 export function showKeys(place, keys) {
-  place.replaceChildren(...keys.map(([name, colour]) => {
+  place.replaceChildren(...keys.map(([name, color]) => {
     const [key, text] = [document.createElement("span"), document.createElement("b")];
     key.className = "key";
-    key.style.color = colour;
+    key.style.color = color;
     text.textContent = name;
     key.append(text);
     return key;

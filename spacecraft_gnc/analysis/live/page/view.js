@@ -7,14 +7,14 @@ import { showHeader, showNumbers, showSetup } from "./status.js";
 const SILENCE = 3000; // [ms] without an event after which the connection counts as lost
 const by = (id) => document.getElementById(id);
 const style = getComputedStyle(document.documentElement);
-const colours = Object.fromEntries(
+const colors = Object.fromEntries(
   ["x", "y", "z", "good", "warn", "bad"].map((name) => [name, style.getPropertyValue(`--${name}`).trim()]),
 );
 const state = {
   events: 0, drawn: 0, numbers: [], setup: null, frame: null, columns: [], rows: [], axes: {}, span: [],
 };
-const scene = new Scene(by("scene"), colours, schedule);
-const panels = new Panels(by("panels"), colours);
+const scene = new Scene(by("scene"), colors, schedule);
+const panels = new Panels(by("panels"), colors);
 let pending = false;
 let lastEvent = Date.now();
 let seeking = false;

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
 
 CURVATURE: Final = 1e-3
-"""Relative: the published curvature is that of the last linearisation, a Newton step away, which is
+"""Relative: the published curvature is that of the last linearization, a Newton step away, which is
 of the order of the square root of what the step left."""
 CONDITIONS: Final = {
     "backward_sweep": 1e-12,
@@ -283,5 +283,5 @@ class CertificateAudit:
 
 
 def _said(formulation: str) -> str:
-    """Return what tells apart the lines of neighbouring extremals, whose tolerances are wider."""
-    return " (neighbouring extremal)" if formulation == NEIGHBORING else ""
+    """Return what tells apart the lines of neighboring extremals, whose tolerances are wider."""
+    return " (neighboring extremal)" if formulation == NEIGHBORING else ""

@@ -48,7 +48,7 @@ def audit_decisions(
 ) -> None:
     """Put every recorded state, and every target that was taken, to the scenario's governor.
 
-    A governor that was started anew in mid-flight is recognised by its decisions, and noted. With
+    A governor that was started anew in mid-flight is recognized by its decisions, and noted. With
     a tolerance (a share of the largest magnitude) counts, which rounding may tip, are left out.
     """
     why = _not_asked(evidence)

@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     from spacecraft_gnc.loop.protocols import Controller
 
 SENSITIVE: Final = 1e-9
-"""Share of the largest torque that those may differ which rest on a linearised plan."""
+"""Share of the largest torque that those may differ which rest on a linearized plan."""
 TORQUE_FIELD: Final = "torque_command.torque"
 _SOURCE: Final = "torque_command.source"
 LAW: Final = "command of the law"
 _LADDER = "command of the ladder"
-_LINEAR = "neighbouring extremal of an earlier plan"
+_LINEAR = "neighboring extremal of an earlier plan"
 
 
 class Sample(NamedTuple):

@@ -1,6 +1,6 @@
 """Fallback ladder: torque applied when the solver has no valid answer.
 
-optimal -> neighbouring extremal -> shifted plan -> saturated feedback -> zero torque.
+optimal -> neighboring extremal -> shifted plan -> saturated feedback -> zero torque.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from spacecraft_gnc.ocp.reference import is_moving
 from spacecraft_gnc.types import Array, Vector3
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import SolveReport
 
-# Attitude [rad] off the plan up to which its neighbouring extremal is trusted.
+# Attitude [rad] off the plan up to which its neighboring extremal is trusted.
 NEIGHBORHOOD = 0.2
 SAME_ATTITUDE = 1e-9  # of the entries of a rotation: as far as its motion was planned
 
@@ -77,9 +77,9 @@ class FallbackLadder:
     def _corrected(
         self, plan: Solution, ahead: int, state: State, reference: Reference
     ) -> Vector3 | None:
-        """Torque of the plan with its neighbouring extremal for where the body really is.
+        """Torque of the plan with its neighboring extremal for where the body really is.
 
-        None where the target has changed, or where the body has left the plan's neighbourhood.
+        None where the target has changed, or where the body has left the plan's neighborhood.
         """
         if not self._continues(plan.tracked, ahead, reference):
             return None

@@ -3,7 +3,7 @@
 A stalled spacecraft can sit at a strict minimum of every horizon and still be at an unstable
 equilibrium of the closed loop: behind a pointing zone that lies exactly across its way, or half a
 turn from its target. No solve of one horizon sees that. Where motion has stopped away from the
-target, the one-step closed loop is linearised with the neighbouring-extremal gain, x+ = A x + d:
+target, the one-step closed loop is linearized with the neighboring-extremal gain, x+ = A x + d:
 
 - its fixed point (I - A)^-1 d lies far off: the loop is only slow, nothing is said;
 - a spectral radius above 1: the equilibrium is unstable, and the loop leaves it along the unstable

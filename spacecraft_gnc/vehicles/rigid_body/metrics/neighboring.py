@@ -28,7 +28,7 @@ def neighboring_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[s
     Returns
     -------
     dict
-        ``neighboring_share`` of the steps answered by a neighbouring extremal, and
+        ``neighboring_share`` of the steps answered by a neighboring extremal, and
         ``neighboring_error`` [N m], the largest norm of the difference between such a torque and
         the exact one from the same state. Both None where no step was.
     """

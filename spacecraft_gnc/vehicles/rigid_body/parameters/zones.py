@@ -22,7 +22,7 @@ class ZoneParameters:
     body_axis: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
         [],
-        "axis of the instrument, body frame (normalised)",
+        "axis of the instrument, body frame (normalized)",
         shape=(3,),
         nonzero=True,
         required=True,
@@ -32,7 +32,7 @@ class ZoneParameters:
     inertial_axis: Vector3 = parameter(
         Kind.DOUBLE_ARRAY,
         [],
-        "axis of the cone, inertial frame (normalised)",
+        "axis of the cone, inertial frame (normalized)",
         shape=(3,),
         nonzero=True,
         required=True,

@@ -70,7 +70,7 @@ def animated_run(name: str, flight: Flight, scenario: Scenario | None, index: in
     violated = [(margins[of_zone == i] < 0.0).any(axis=0) for i in range(len(instruments))]
     return AnimatedRun(
         name=name,
-        line={"color": style.RUN_COLOURS[index], "linestyle": DASHES[index]},
+        line={"color": style.RUN_COLORS[index], "linestyle": DASHES[index]},
         times=times,
         attitudes=series.attitudes(flight),
         targets=np.concatenate([flight.target, flight.target[-1:]]),

@@ -56,14 +56,14 @@ class Curve:
         if self.barred_below:
             bottom, top = axes.get_ylim()
             low = min(bottom, -0.2 * top)  # room for the label
-            axes.axhspan(low, 0.0, color=style.LIMIT_COLOUR, alpha=0.10, linewidth=0.0)
+            axes.axhspan(low, 0.0, color=style.LIMIT_COLOR, alpha=0.10, linewidth=0.0)
             axes.set_ylim(bottom=low)
         for text, limit in self.limits.items():
             draw_limit(axes, limit)
             axes.annotate(
                 text, (1.0, limit), xycoords=("axes fraction", "data"), xytext=(-2, -3),
                 textcoords="offset points", ha="right", va="top", fontsize=8.0,
-                color=style.LIMIT_COLOUR,
+                color=style.LIMIT_COLOR,
             )  # fmt: skip
 
     def draw_flown(self, axes: Axes, time: float) -> None:

@@ -150,13 +150,13 @@ def _draw_flight(axes: Axes, view: sphere.View, run: AnimatedRun, row: int) -> N
         path = run.attitudes[: row + 1] @ instrument
         sphere.draw_curve(axes, view, path, color=run.line["color"], linewidth=2.0)
         barred = np.where(violated[: row + 1, None], path, math.nan)
-        sphere.draw_curve(axes, view, barred, color=style.LIMIT_COLOUR, linewidth=4.0)
+        sphere.draw_curve(axes, view, barred, color=style.LIMIT_COLOR, linewidth=4.0)
         _mark(axes, view, run.targets[row] @ instrument, "o", "none")
         if run.references is not None:
             _mark(axes, view, run.references[row] @ instrument, "D", "white")
         if known:
-            colour = style.LIMIT_COLOUR if violated[row] else style.INK
-            sphere.draw_arrow(axes, view, path[-1], color=colour, dashed=False)
+            color = style.LIMIT_COLOR if violated[row] else style.INK
+            sphere.draw_arrow(axes, view, path[-1], color=color, dashed=False)
     if known:
         draw_spacecraft(axes, view, attitude, run.instruments[0])
     error = f"{run.error[row]:.2f}° to the target" if known else "not recorded"
@@ -184,6 +184,6 @@ def _write_worst(axes: Axes, run: AnimatedRun, row: int) -> None:
     margin, zone = worst
     if margin < 0.0:
         text = f"✕ zone {zone} violated by {-margin:.1f}°"
-        axes.text(0.0, -1.32, text, color=style.LIMIT_COLOUR, fontweight="bold", **_STATE)
+        axes.text(0.0, -1.32, text, color=style.LIMIT_COLOR, fontweight="bold", **_STATE)
     else:
         axes.text(0.0, -1.32, f"✓ zones kept by {margin:.1f}° or more", **_STATE)

@@ -69,8 +69,8 @@ def _pictures(scene: Scene, times: Array) -> tuple[Image.Image, Iterator[Image.I
     """Return the first frame, and what draws the others one by one."""
     # One palette for all, so that nothing flickers: of the last, which has every color.
     palette = Image.fromarray(scene.frame(times[-1])).quantize(_WHITE, Image.Quantize.MAXCOVERAGE)
-    colours = list(palette.getpalette() or ())[: 3 * _WHITE]
-    palette.putpalette(colours + [255] * (768 - len(colours)))
+    colors = list(palette.getpalette() or ())[: 3 * _WHITE]
+    palette.putpalette(colors + [255] * (768 - len(colors)))
     pictures = (_indexed(scene.frame(time), palette) for time in times)
     return next(pictures), pictures
 

@@ -83,9 +83,9 @@ def _over_time(
     def draw(axes: Axes) -> None:
         for i, (name, trajectory) in enumerate(flights.items()):
             times = series.state_times(trajectory)[: len(values[name])]
-            colour = style.RUN_COLOURS[i % len(style.RUN_COLOURS)]
+            color = style.RUN_COLORS[i % len(style.RUN_COLORS)]
             dashes = style.COMPONENT_STYLES[i % len(style.COMPONENT_STYLES)]
-            axes.plot(times, values[name], color=colour, linestyle=dashes, label=name)
+            axes.plot(times, values[name], color=color, linestyle=dashes, label=name)
         axes.set(title=title, xlabel=TIME_LABEL, ylabel=label)
         axes.set_yscale(scale)
         axes.margins(x=0.0)

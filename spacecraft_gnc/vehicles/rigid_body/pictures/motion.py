@@ -47,7 +47,7 @@ def attitude_error(axes: Axes, trajectory: Flight, *, scale: str = "log") -> Non
     if governed:
         beside = series.attitude_error_deg(trajectory)
         label = "to the governor's reference"
-        axes.plot(times, beside, color=style.AXIS_COLOURS[0], linewidth=1.0, label=label)
+        axes.plot(times, beside, color=style.AXIS_COLORS[0], linewidth=1.0, label=label)
     frame(axes, times, "Attitude error", "angle [deg]")
     known = positive(error)
     if scale == "log" and known.size:
@@ -155,9 +155,9 @@ def torque_norm(axes: Axes, trajectory: Flight, limit: float | None = None) -> N
 
 def alpha(axes: Axes, trajectory: Flight) -> None:
     """Draw the share of the way that the governor allowed, and the way that is left."""
-    times, colour = series.state_times(trajectory), style.AXIS_COLOURS[0]
+    times, color = series.state_times(trajectory), style.AXIS_COLORS[0]
     # Dots: alpha may be 0 at every other step, which a line would fill in.
-    axes.plot(times[:-1], trajectory.alpha, ".", markersize=3, color=colour, label=r"$\alpha$")
+    axes.plot(times[:-1], trajectory.alpha, ".", markersize=3, color=color, label=r"$\alpha$")
     frame(axes, times, "Reference governor", "share of the way [-]")
     axes.set_ylim(-0.03, 1.03)
     targets = series.targets(trajectory)
@@ -190,14 +190,14 @@ def iterations(axes: Axes, trajectory: Flight) -> None:
     solved = trajectory.status >= 0
     failed = series.unconverged(trajectory)
     time, count = trajectory.time, trajectory.iterations
-    axes.plot(time[solved], count[solved], ".", markersize=3, color=style.AXIS_COLOURS[0])
+    axes.plot(time[solved], count[solved], ".", markersize=3, color=style.AXIS_COLORS[0])
     if failed.any():
         axes.plot(
             time[failed],
             count[failed],
             "x",
             markersize=5,
-            color=style.LIMIT_COLOUR,
+            color=style.LIMIT_COLOR,
             label="not converged",
         )
         legend(axes, 1)
@@ -210,7 +210,7 @@ def solve_time(axes: Axes, trajectory: Flight) -> None:
     """Draw the wall-clock time of each solve."""
     unit = style.prefixed("s", trajectory.solve_time)
     values = unit.factor * trajectory.solve_time
-    axes.plot(trajectory.time, values, ".", markersize=3, color=style.AXIS_COLOURS[0])
+    axes.plot(trajectory.time, values, ".", markersize=3, color=style.AXIS_COLORS[0])
     frame(axes, series.state_times(trajectory), "Solve time, wall clock", f"time [{unit.label}]")
     known = positive(values)
     if known.size and known.max() > _WIDE_SPREAD * np.median(known):
@@ -235,7 +235,7 @@ def attitude_sphere(
     draw_zones(axes, view, zones)
     attitudes = series.attitudes(trajectory)
     known = attitudes[np.isfinite(attitudes).all(axis=(1, 2))]
-    for i, color in enumerate(style.AXIS_COLOURS):
+    for i, color in enumerate(style.AXIS_COLORS):
         sphere.draw_curve(axes, view, attitudes[:, :, i], color=color, linewidth=1.6)
         sphere.draw_arrow(axes, view, known[0, :, i], color=color, dashed=True)
         sphere.draw_arrow(axes, view, known[-1, :, i], color=color, dashed=False)
@@ -248,21 +248,21 @@ def draw_zones(axes: Axes, view: sphere.View, zones: tuple[ZoneParameters, ...])
     for zone in zones:
         axis = zone.inertial_axis / np.linalg.norm(zone.inertial_axis)
         half_angle = math.radians(zone.half_angle_deg)
-        sphere.draw_cap(axes, view, axis, half_angle, color=style.ZONE_COLOURS[zone.kind])
+        sphere.draw_cap(axes, view, axis, half_angle, color=style.ZONE_COLORS[zone.kind])
 
 
 def _sphere_legend(axes: Axes, zones: tuple[ZoneParameters, ...]) -> None:
     """Put the legend under the sphere: body axes above, what the strokes mean below."""
     body = [
         Line2D([], [], color=color, label=f"body {name}")
-        for color, name in zip(style.AXIS_COLOURS, _COMPONENTS, strict=True)
+        for color, name in zip(style.AXIS_COLORS, _COMPONENTS, strict=True)
     ]
     meaning = [
         Line2D([], [], color=style.INK, linestyle=(0, (3.5, 2.0)), label="start"),
         Line2D([], [], color=style.INK, label="end"),
     ]
     for kind, color in (
-        (kind, style.ZONE_COLOURS[kind]) for kind in sorted({z.kind for z in zones})
+        (kind, style.ZONE_COLORS[kind]) for kind in sorted({z.kind for z in zones})
     ):
         patch = Line2D([], [], color=color, linewidth=6, alpha=0.5, label=f"{kind} zone")
         meaning.append(patch)

@@ -22,7 +22,7 @@ from spacecraft_gnc.drawing.axes import (
     plain_numbers,
     positive,
 )
-from spacecraft_gnc.drawing.sources import source_colour, source_name, stretches
+from spacecraft_gnc.drawing.sources import source_color, source_name, stretches
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 
@@ -115,8 +115,8 @@ def curvature(axes: Axes, trajectory: Flight, telemetry: Telemetry) -> None:
 
 def radius(axes: Axes, trajectory: Flight, telemetry: Telemetry) -> None:
     """Draw the spectral radius of the closed loop at its standstills."""
-    colour = style.AXIS_COLOURS[0]
-    axes.plot(trajectory.time, telemetry.closed_loop_radius, ".-", color=colour, label="radius")
+    color = style.AXIS_COLORS[0]
+    axes.plot(trajectory.time, telemetry.closed_loop_radius, ".-", color=color, label="radius")
     limit(axes, 1.0, "stable below 1", _WIDTH)
     axes.margins(y=0.08)
     axes.set_ylim(bottom=0.0)
@@ -147,11 +147,11 @@ def solve_times(axes: Axes, runs: Mapping[str, Array], deadline: tuple[float, st
     low, high = math.log10(unit.factor * every.min()), math.log10(unit.factor * every.max())
     edges = np.logspace(low - 0.02, high + 0.02, _BINS + 1)
     for i, (name, values) in enumerate(known.items()):
-        colour = style.RUN_COLOURS[i % len(style.RUN_COLOURS)]
+        color = style.RUN_COLORS[i % len(style.RUN_COLORS)]
         scaled, alpha = unit.factor * values, 1.0 if len(known) == 1 else 0.55
-        axes.hist(scaled, edges.tolist(), color=colour, alpha=alpha, label=name)
+        axes.hist(scaled, edges.tolist(), color=color, alpha=alpha, label=name)
     if latest:
-        axes.axvline(unit.factor * latest, color=style.LIMIT_COLOUR, linestyle="--", label=text)
+        axes.axvline(unit.factor * latest, color=style.LIMIT_COLOR, linestyle="--", label=text)
     axes.set_xscale("log")
     plain_numbers(axes.xaxis)
     axes.set(title="Solve times", xlabel=f"wall time of a solve [{unit.label}]")
@@ -166,12 +166,12 @@ def sources(axes: Axes, runs: Mapping[str, Flight]) -> None:
         for stretch in stretches(trajectory.source, series.state_times(trajectory)):
             seen.add(stretch.source)
             width = stretch.end - stretch.begin
-            colour = source_colour(stretch.source)
-            axes.barh(row, width, left=stretch.begin, height=0.7, color=colour, linewidth=0)
+            color = source_color(stretch.source)
+            axes.barh(row, width, left=stretch.begin, height=0.7, color=color, linewidth=0)
     axes.set_yticks(range(len(runs)), runs if len(runs) > 1 else [""])
     axes.invert_yaxis()
     axes.grid(visible=False, axis="y")
     axes.set(title="Source of the torque", xlabel=TIME_LABEL)
     axes.set_xlim(0.0, max(float(series.state_times(t)[-1]) for t in runs.values()))
-    handles = [Patch(color=source_colour(s), label=source_name(s)) for s in sorted(seen)]
+    handles = [Patch(color=source_color(s), label=source_name(s)) for s in sorted(seen)]
     legend(axes, 3, handles=handles)

@@ -8,7 +8,7 @@ from typing import Any, Final
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.chart import Chart, components, one_curve_each, over_time
 from spacecraft_gnc.drawing.envelope import per_interval
-from spacecraft_gnc.drawing.sources import source_colour, source_name, stretches
+from spacecraft_gnc.drawing.sources import source_color, source_name, stretches
 from spacecraft_gnc.drawing.traces import axis, label, log_axis
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
 
@@ -62,7 +62,7 @@ def _bar(source: int) -> dict[str, Any]:
         "base": [],
         "x": [],
         "customdata": [],
-        "marker": {"color": source_colour(source), "line": {"width": 0}},
+        "marker": {"color": source_color(source), "line": {"width": 0}},
         "hovertemplate": "%{customdata[0]:.6g} s to %{customdata[1]:.6g} s: %{customdata[2]} steps",
     }
 

@@ -64,7 +64,7 @@ ROWS: Final = (
     Row("Steps at a standstill", "stalled_steps"),
     Row("Steps escaping from a standstill", "escaping_steps"),
     Row("Steps on a fallback torque", "fallback_steps"),
-    Row("Steps answered by neighbouring extremals", "neighboring_share", "%", 4, 100.0),
+    Row("Steps answered by neighboring extremals", "neighboring_share", "%", 4, 100.0),
     Row("Largest error of those", "neighboring_error", "N m", absent=_unpriced),
     Row("Incomplete steps", "missing_steps"),
     Row("Torque from", text=_sources),

@@ -65,7 +65,7 @@ def _marks(runs: Sequence[Flown], index: int, times: Array, values: Array) -> Tr
         "x": packed(times),
         "y": packed(values),
         "name": label(named(runs, runs[index], "not converged")),
-        "marker": {"symbol": "x", "size": 7, "color": style.LIMIT_COLOUR},
+        "marker": {"symbol": "x", "size": 7, "color": style.LIMIT_COLOR},
     }
 
 
@@ -119,7 +119,7 @@ def _radius(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
     if traces:
         traces.append(limit(span(runs), (1.0, 1.0), "stable below 1"))
         note = (
-            "Spectral radius of the closed loop linearised at a standstill away from the target; "
+            "Spectral radius of the closed loop linearized at a standstill away from the target; "
             "above 1 it is unstable. Known at standstills only."
         )
         y = axis("spectral radius [-]", rangemode="tozero")

@@ -52,7 +52,7 @@ def _torques(axes: Axes, resolved: Resolved, names: tuple[str, str]) -> None:
     old, new = resolved.recorded, resolved.replayed
     unit = style.prefixed("N m", old.torque, new.torque)
     for i, component in enumerate("xyz"):
-        color = style.AXIS_COLOURS[i]
+        color = style.AXIS_COLORS[i]
         label = f"$u_{component}$"
         for side, width, alpha in ((old, 3.2, 0.35), (new, 1.2, 1.0)):
             axes.step(
@@ -93,7 +93,7 @@ def _solver(axes: Axes, resolved: Resolved, names: tuple[str, str], what: str) -
     solved = [
         np.where(side.status >= 0, v, math.nan) for side, v in zip(sides, values, strict=True)
     ]
-    drawn = zip(solved, names, ("o", "."), (style.MUTED, style.AXIS_COLOURS[0]), strict=True)
+    drawn = zip(solved, names, ("o", "."), (style.MUTED, style.AXIS_COLORS[0]), strict=True)
     for numbers, name, marker, color in drawn:
         if np.isfinite(numbers).any():
             face = "none" if marker == "o" else color

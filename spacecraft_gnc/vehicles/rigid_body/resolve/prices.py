@@ -51,7 +51,7 @@ class Pricing:
         self._hard = recorded.method.hard_limits
         self._ocp: AttitudeOcp | None = None
         self._flown: Controller[Any, Any] | None = None
-        if not self._same and _is_penalised(recorded):
+        if not self._same and _is_penalized(recorded):
             self._ocp = problem_of(recorded)
             self._plain = replace(self._ocp, max_torque=0.0, zones=())
             self._flown = None if self._hard else recorded.build_controller()
@@ -91,14 +91,14 @@ def _excess(ocp: AttitudeOcp, controls: Array, attitudes: Array) -> tuple[float,
     )
 
 
-def _is_penalised(scenario: Scenario) -> bool:
-    """Tell whether a method minimises the cost of `AttitudeOcp`."""
+def _is_penalized(scenario: Scenario) -> bool:
+    """Tell whether a method minimizes the cost of `AttitudeOcp`."""
     return "torque_penalty" in scenario.method.reads
 
 
 def _same_problem(recorded: Scenario, revised: Scenario) -> bool:
-    """Tell whether both minimise the same cost."""
-    if not (_is_penalised(recorded) and _is_penalised(revised)):
+    """Tell whether both minimize the same cost."""
+    if not (_is_penalized(recorded) and _is_penalized(revised)):
         return recorded is revised
     if recorded.method.hard_limits != revised.method.hard_limits:
         return False

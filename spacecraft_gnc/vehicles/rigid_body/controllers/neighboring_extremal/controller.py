@@ -21,7 +21,7 @@ from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 
 class NominalRunController:
-    """Neighbouring extremals along a stored run, with an exact solve every so many steps.
+    """Neighboring extremals along a stored run, with an exact solve every so many steps.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class NominalRunController:
         return self._exact.solve(state, reference, warm_start)
 
     def _nominal(self, reference: Reference) -> NominalRun | None:
-        """Return the run towards this reference, flown once; None where it cannot be flown.
+        """Return the run toward this reference, flown once; None where it cannot be flown.
 
         A run leads to rest: none leads to a moving reference, which the exact solves track.
         """

@@ -1,4 +1,4 @@
-"""The random problems as a nonlinear programme in CasADi, one for each horizon.
+"""The random problems as a nonlinear program in CasADi, one for each horizon.
 
 Independent of the package: the state is (e, g), the unit quaternion of the attitude relative to the
 reference and the Rodrigues vector of one step's relative rotation F. The integrator is explicit in
@@ -24,8 +24,8 @@ STATE = 7  # numbers of (e, g)
 ZONE = 9  # body axis, inertial axis, cosine, sign, penalty
 
 
-class Programme:
-    """Cost, dynamics and their derivatives over N steps, and the same as a programme for IPOPT."""
+class Program:
+    """Cost, dynamics and their derivatives over N steps, and the same as a program for IPOPT."""
 
     def __init__(self, horizon: int, controls: int) -> None:
         self.horizon, self.controls = horizon, controls
