@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.analysis.live.recorded import RecordedFlight
     from spacecraft_gnc.ros.live_flight import LiveFlight
 
+_HANDOVER = 0.03  # [s] wall for the watchers to take a frame
 _LAYOUT = "spacecraft_gnc.foxglove-layout.json"
 BagArgument = Annotated[
     Path | None,
@@ -132,7 +133,7 @@ def _run(feed: Feed, flight: RecordedFlight | LiveFlight, stop: _StopRequest) ->
     due = time.monotonic()
     while not stop():
         feed.tick()
-        due = max(due + PERIOD, time.monotonic())
+        due = max(due + PERIOD, time.monotonic() + _HANDOVER)  # late: no watcher misses a frame
         flight.wait(due - time.monotonic())
 
 
