@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from analysis.flights import case1
+from bad_bags import CASES
 from live.watching import EventReader
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -71,6 +72,19 @@ def test_a_recording_plays_and_ctrl_c_ends_it(flight: Path) -> None:
         reader.close()
     assert last["step"] == 374
     assert about["err"] == ""
+
+
+def test_of_several_spacecraft_the_first_is_shown(tmp_path: Path) -> None:
+    bag = str(CASES["two spacecraft"].make(tmp_path))
+    for words, shown, said in (([], "chaser", 1), (["--namespace", "target"], "target", 0)):
+        with viewing(bag, *words) as about:
+            reader = EventReader(about["port"])
+            title = next(data["title"] for name, data in reader if name == "setup")
+            reader.close()
+        assert title == f"bag /{shown}"
+        told = [line for line in about["err"].splitlines() if "several spacecraft" in line]
+        assert len(told) == said
+        assert all("(/chaser, /target); shows the first; name another" in line for line in told)
 
 
 def test_a_port_that_is_taken_is_refused_in_one_line(flight: Path) -> None:

@@ -10,7 +10,7 @@ import pytest
 import typer
 
 from spacecraft_gnc.cli.main import app, main
-from spacecraft_gnc.scenario import load
+from spacecraft_gnc.scenario import load_fleet
 
 ROOT = Path(__file__).resolve().parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -48,7 +48,7 @@ def test_its_scenario_flies_with_its_overrides(words):
     scenarios = [word for word in words if word.startswith("config/")]
     overrides = [words[i + 1] for i, word in enumerate(words) if word == "--set"]
     for scenario in scenarios:
-        load(ROOT / scenario, overrides)
+        load_fleet(ROOT / scenario, overrides)
 
 
 def test_what_needs_no_graph_runs(tmp_path, monkeypatch, capsys):
