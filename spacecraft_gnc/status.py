@@ -1,4 +1,4 @@
-"""How a solve ended, in a module that loads no kernel."""
+"""How a solve ended and where a command comes from, in a module that loads no kernel."""
 
 from __future__ import annotations
 
@@ -46,3 +46,23 @@ _ADVICE = {
     Status.SADDLE: "The solve ended at a saddle of the cost, not at a minimum: use another start.",
     Status.INFEASIBLE: "No torque within the limit reaches the terminal set: lengthen the horizon.",
 }
+
+
+class Source(IntEnum):
+    """Where a command comes from (equal to TorqueCommand.msg).
+
+    Either a rung of the fallback ladder, best first, or the method itself.
+    """
+
+    OPTIMAL = 0
+    NEIGHBORING_EXTREMAL = 1
+    SHIFTED_PLAN = 2
+    FEEDBACK = 3
+    ZERO = 4
+    METHOD = 5
+    """The method's own command, where it solves no optimal control problem."""
+
+    @property
+    def is_fallback(self) -> bool:
+        """Whether the torque stands in for one that the method did not find."""
+        return self in (Source.SHIFTED_PLAN, Source.FEEDBACK, Source.ZERO)

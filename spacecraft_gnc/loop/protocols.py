@@ -8,12 +8,14 @@ number of the control step that it starts.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from enum import IntEnum
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
-from spacecraft_gnc.loop.flight import Flight
-from spacecraft_gnc.signals.signal import Signal
+from spacecraft_gnc.status import Source
 from spacecraft_gnc.types import GovernorDecision, Reference, State
+
+if TYPE_CHECKING:  # a scenario is checked without them
+    from spacecraft_gnc.loop.flight import Flight
+    from spacecraft_gnc.signals.signal import Signal
 
 __all__ = [
     "Command",
@@ -30,26 +32,6 @@ S_contra = TypeVar("S_contra", contravariant=True)
 U_contra = TypeVar("U_contra", contravariant=True)
 R_contra = TypeVar("R_contra", contravariant=True)
 R = TypeVar("R")
-
-
-class Source(IntEnum):
-    """Where a command comes from (equal to TorqueCommand.msg).
-
-    Either a rung of the fallback ladder, best first, or the method itself.
-    """
-
-    OPTIMAL = 0
-    NEIGHBORING_EXTREMAL = 1
-    SHIFTED_PLAN = 2
-    FEEDBACK = 3
-    ZERO = 4
-    METHOD = 5
-    """The method's own command, where it solves no optimal control problem."""
-
-    @property
-    def is_fallback(self) -> bool:
-        """Whether the torque stands in for one that the method did not find."""
-        return self in (Source.SHIFTED_PLAN, Source.FEEDBACK, Source.ZERO)
 
 
 class Command(NamedTuple):

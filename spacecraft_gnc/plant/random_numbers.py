@@ -13,7 +13,7 @@ from spacecraft_gnc.types import Array
 LARGEST_SEED = 2**63 - 1
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class SeedParameters(NodeParameters):
     """What all random numbers of a section depend on."""
 

@@ -21,15 +21,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
 from importlib import metadata
 from importlib.util import find_spec
-from typing import Any, Final, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
 
 from spacecraft_gnc import __version__, vehicles
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.lazy import Lazy
-from spacecraft_gnc.loop.flight import Flight
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, shown, suggestion
 from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
 from spacecraft_gnc.vehicles.vehicle import GovernorLaw, Method, MethodTraits, Vehicle
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.flight import Flight
 
 VEHICLES: Final = "vehicles"
 CONTROLLERS: Final = "controllers"
@@ -107,7 +109,7 @@ def vehicle_of(name: str, path: str = "", line: int | None = None) -> Vehicle:
 def flight_of(vehicle: Vehicle | None = None) -> type[Flight]:
     """Return the class of a vehicle's flights; the default vehicle's where it is not known."""
     flight = (vehicle or vehicle_of(DEFAULT_VEHICLE)).flight
-    kind: type[Flight] = Flight if flight is None else flight.load()
+    kind: type[Flight] = (flight or Lazy("spacecraft_gnc.loop.flight:Flight")).load()
     return kind
 
 

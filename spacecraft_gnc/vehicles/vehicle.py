@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.lazy import Lazy
-from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.parameters.parameter import names_of
 from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
+from spacecraft_gnc.status import Source
 
 _Number = TypeVar("_Number", np.int64, np.float64)
 

@@ -9,8 +9,8 @@ from spacecraft_gnc.parameters.checked import check_values
 from spacecraft_gnc.parameters.declare import Schema
 from spacecraft_gnc.parameters.parameter import specs_of
 from spacecraft_gnc.parameters.yaml_file import Entry
-from spacecraft_gnc.plant.disturbances import DisturbanceParameters
 from spacecraft_gnc.plant.disturbances.checks import check_disturbances
+from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
 
 SCHEMA = Schema({"plant": DisturbanceParameters})
 INERTIA = np.diag([1.0, 0.8, 0.6])

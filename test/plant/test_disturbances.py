@@ -14,17 +14,12 @@ from strategies import rotations, vectors
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.parameters.parameter import specs_of, typed
 from spacecraft_gnc.parameters.problems import problem_of
-from spacecraft_gnc.plant.disturbances import (
-    DisturbanceParameters,
-    Disturbances,
-    Motion,
-    build,
-    names,
-    refusals,
-)
 from spacecraft_gnc.plant.disturbances.constant import ConstantTorque
 from spacecraft_gnc.plant.disturbances.gravity_gradient import GravityGradient
 from spacecraft_gnc.plant.disturbances.noise import NoiseTorque
+from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.plant.disturbances.registry import build, names, refusals
+from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 
 INERTIA = np.diag([1.0, 0.8, 0.6])
 HERE = __name__

@@ -13,10 +13,10 @@ from strategies import inertias, rotations, vectors
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.plant.disturbances import Disturbances, Motion
 from spacecraft_gnc.plant.disturbances.constant import ConstantTorque
 from spacecraft_gnc.plant.disturbances.gravity_gradient import GravityGradient
 from spacecraft_gnc.plant.disturbances.noise import NoiseTorque
+from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 

@@ -13,8 +13,8 @@ from strategies import inertias, rotations, unit_vectors
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.plant.disturbances import Disturbances, Motion
 from spacecraft_gnc.plant.disturbances.gravity_gradient import GravityGradient
+from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 
 MU = 3.986004418e14  # [m^3/s^2], Earth

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.parameters.parameter import WITHIN, Kind, NodeParameters, parameter
-from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.types import ArrayLike, Matrix3, Vector3, as_vector3
 
+if TYPE_CHECKING:
+    from spacecraft_gnc.plant.disturbances.torques import Motion
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class ConstantParameters(NodeParameters):
     """What ``constant`` reads of the section of the plant."""
 

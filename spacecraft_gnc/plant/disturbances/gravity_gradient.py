@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from spacecraft_gnc.arguments import require_positive
 from spacecraft_gnc.arrays import listed
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.parameters.parameter import WITHIN, Kind, NodeParameters, parameter
-from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.types import (
     ArrayLike,
     Matrix3,
@@ -24,8 +24,11 @@ from spacecraft_gnc.types import (
 PERPENDICULAR = 1e-6
 """Largest cosine between the orbit normal and the position: room for printed digits."""
 
+if TYPE_CHECKING:
+    from spacecraft_gnc.plant.disturbances.torques import Motion
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class GravityGradientParameters(NodeParameters):
     """What ``gravity_gradient`` reads of the section of the plant, beside the inertia."""
 

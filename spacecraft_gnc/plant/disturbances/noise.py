@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,14 +11,16 @@ from spacecraft_gnc.arguments import as_count
 from spacecraft_gnc.arrays import listed
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.parameters.parameter import LARGEST, Kind, parameter
-from spacecraft_gnc.plant.disturbances.torques import Motion
 from spacecraft_gnc.plant.random_numbers import LARGEST_SEED, SeedParameters, standard_normals
 from spacecraft_gnc.types import ArrayLike, Matrix3, Vector3, as_vector3
 
 STREAM = "disturbances.noise"
 
+if TYPE_CHECKING:
+    from spacecraft_gnc.plant.disturbances.torques import Motion
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
 class NoiseParameters(SeedParameters):
     """What ``noise`` reads of the section of the plant."""
 

@@ -9,13 +9,15 @@ the plant gives as ``plugin.<name>``. A built-in one wins over an entry point of
 from __future__ import annotations
 
 from importlib import metadata
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.parameters.problems import shown, suggestion
 from spacecraft_gnc.plant.disturbances.parameters import BUILT_IN, DisturbanceParameters
-from spacecraft_gnc.plant.disturbances.torques import Disturbance, Disturbances
 from spacecraft_gnc.types import Matrix3
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.plant.disturbances.torques import Disturbance, Disturbances
 
 GROUP: Final = "spacecraft_gnc.disturbances"
 
@@ -48,6 +50,8 @@ def build(parameters: DisturbanceParameters, inertia: Matrix3) -> Disturbances:
         If a name is unknown, a plug-in is broken, or a part refuses its parameters; the first
         reason of `refusals`.
     """
+    from spacecraft_gnc.plant.disturbances.torques import Disturbances
+
     return Disturbances(
         {name: _build(name, parameters, inertia) for name in parameters.disturbances}
     )

@@ -11,7 +11,8 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.plant.disturbances import Disturbances, Motion, build
+from spacecraft_gnc.plant.disturbances.registry import build
+from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import POSE, pose_of
 from spacecraft_gnc.types import (

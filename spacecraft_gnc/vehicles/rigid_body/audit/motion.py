@@ -14,7 +14,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger, as_absolute
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.plant.disturbances import not_installed
+from spacecraft_gnc.plant.disturbances.registry import not_installed
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels as kernels
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from spacecraft_gnc.lazy import Lazy
-from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.parameters.parameter import LARGEST, Kind, MatrixRule, parameter
+from spacecraft_gnc.status import Source
 from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.vehicle import Method
 
