@@ -19,6 +19,7 @@ from typing import Any, Final
 
 from spacecraft_gnc.parameters.declare import Schema
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggestion
+from spacecraft_gnc.parameters.sections import NODE_NAMES
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, parse_value, read
 from spacecraft_gnc.scenario.schema import (
     LAUNCHER,
@@ -29,9 +30,9 @@ from spacecraft_gnc.scenario.schema import (
     vehicle_entries,
     vehicle_given,
 )
-from spacecraft_gnc.signals.graph import CONTROLLER, PLANT
 from spacecraft_gnc.vehicles.vehicle import Vehicle
 
+PLANT, CONTROLLER, *_ = NODE_NAMES  # not `signals.graph`: it loads what encodes messages
 ROOT: Final = "/"
 OPTION: Final = "-p"
 """What an `Entry` has as its file where the value comes from the command line of a node."""
