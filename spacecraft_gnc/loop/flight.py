@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from enum import Enum
 from pathlib import Path
@@ -75,6 +75,8 @@ class Column(NamedTuple):
     moment: Moment = Moment.START
     of: Callable[[Any], Any] | None = None
     """What returns the object to read of instead of the step itself; None where there is none."""
+    formerly: float | None = None
+    """Its value in files written before the column existed; None: it was always there."""
 
     @property
     def at_end(self) -> bool:
@@ -97,13 +99,16 @@ def column(
     missing: float = np.nan,
     moment: Moment = Moment.START,
     of: Callable[[Any], Any] | None = None,
+    formerly: float | None = None,
 ) -> Any:
     """Return a field of a `Flight`: an array (n, *shape), row k of control step k.
 
     ``carried_by``: ``"topic/field"`` of the message in which a recording has the value. A dotted
     attribute is read faster than by a function; columns with the same ``of`` share its call.
     """
-    return _field(Column(read, shape, missing, *_topic_and_member(carried_by), moment, of))
+    return _field(
+        Column(read, shape, missing, *_topic_and_member(carried_by), moment, of, formerly)
+    )
 
 
 def final(
@@ -188,9 +193,14 @@ class Flight:
             If it is missing, damaged or not such a file.
         """
         stored = {item.name: _stored(agent, item.name) for item in dataclasses.fields(cls)}
-        found = _read(require_path("path", path), *stored.values())
-        values = {name: found[key] for name, key in stored.items()}
+        later = {name: column for name, column in cls.columns() if column.formerly is not None}
+        optional = {stored[name] for name in later}
+        found = _read(require_path("path", path), *stored.values(), optional=optional)
+        values = {name: found[key] for name, key in stored.items() if key in found}
         values["period"] = float(values["period"])
+        for name, column in later.items():
+            if name not in values:
+                values[name] = np.full((len(values["time"]), *column.shape), column.formerly)
         return cls(**values)
 
     @staticmethod
@@ -255,12 +265,13 @@ def _stored(agent: str, name: str) -> str:
     return f"{agent}.{name}" if agent and name not in _SHARED else name
 
 
-def _read(path: str | Path, *names: str) -> dict[str, Any]:
-    """Return members of a file by name; of a file of before it held texts, none of them."""
+def _read(
+    path: str | Path, *names: str, optional: Collection[str] = (_SCENARIO, _DEFAULTS)
+) -> dict[str, Any]:
+    """Return members of a file by name, but for the ``optional`` ones that an older file lacks."""
     with _members_of(path) as members:
         known = set(members.namelist())
-        texts = (_SCENARIO, _DEFAULTS)
-        wanted = [n for n in names if n not in texts or f"{n}{_SUFFIX}" in known]
+        wanted = [n for n in names if n not in optional or f"{n}{_SUFFIX}" in known]
         return {name: _member(members, name) for name in wanted}
 
 

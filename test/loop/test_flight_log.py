@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc import scenario
+from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.loop import Command, Source
 from spacecraft_gnc.loop.flight import End, Flight, Moment, Step, column, final
 from spacecraft_gnc.loop.flight_log import FlightLog
@@ -61,3 +62,18 @@ def test_only_a_dotted_attribute_is_a_name():
 
     with pytest.raises(ParameterError, match=r"column speed: received .*; required a dotted"):
         FlightLog(Odd, 1, 1.0)
+
+
+def test_a_file_of_before_a_column_existed_is_read(tmp_path):
+    """The scenario without disturbances of a file written before they could be listed."""
+    flight = scenario.load("gupta2015_case1", ("plant.duration=4.0",)).build().run()
+    now = flight.save(tmp_path / "now.npz")
+    with np.load(now) as members:
+        arrays = {name: members[name] for name in members.files if name != "external_torque"}
+    before = tmp_path / "before.npz"
+    np.savez(before, **arrays)
+    assert (type(flight).load(before).external_torque == np.zeros((10, 3))).all()
+    del arrays["attitude"]
+    np.savez(before, **arrays)
+    with pytest.raises(RecordingError, match="attitude"):
+        type(flight).load(before)

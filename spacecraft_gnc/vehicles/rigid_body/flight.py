@@ -65,7 +65,11 @@ class RigidBodyFlight(Flight):
     momentum: Array = column("state.momentum", (3,), carried_by="attitude_state/angular_momentum")
     torque: Array = column("command.control", (3,), carried_by="torque_command/torque")
     external_torque: Array = column(
-        _external_torque, (3,), carried_by="plant_invariants/external_torque", moment=Moment.OUTCOME
+        _external_torque,
+        (3,),
+        carried_by="plant_invariants/external_torque",
+        moment=Moment.OUTCOME,
+        formerly=0.0,
     )
     reference: Array = column(
         "decision.reference.attitude", (3, 3), carried_by="attitude_reference/attitude"
@@ -74,9 +78,10 @@ class RigidBodyFlight(Flight):
         "decision.reference.angular_velocity",
         (3,),
         carried_by="attitude_reference/angular_velocity",
+        formerly=0.0,
     )
     reference_torque: Array = column(
-        "decision.reference.torque", (3,), carried_by="attitude_reference/torque"
+        "decision.reference.torque", (3,), carried_by="attitude_reference/torque", formerly=0.0
     )
     target: Array = column("target", (3, 3), carried_by="target_attitude/attitude")
     iterations: NDArray[np.int64] = column(
