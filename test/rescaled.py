@@ -28,7 +28,13 @@ def factors(scenario: Scenario, mass: float, time: float, cost: float) -> dict[s
         "reference_governor.max_momentum": momentum,
         "reference_governor.lyapunov_level": torque,
         "reference_governor.slew_rate_tolerance": 1.0 / time,
+        "reference_governor.reference_rate": 1.0 / time,
+        "reference_governor.trajectory.times": time,
+        "reference_governor.trajectory.angular_velocities": 1.0 / time,
         "plant.duration": time,
+        "plant.constant_torque": torque,
+        "plant.noise_torque": torque,
+        "plant.orbit_rate": 1.0 / time,
     }
     for section in ("plant", "nmpc_controller"):
         own |= {f"{section}.inertia": mass, f"{section}.time_step": time}
