@@ -22,6 +22,7 @@ SCENARIOS = SOURCE / "scenarios"
 def run(*command: str | Path, code: int = 0) -> str:
     """Run a command; return what it printed, or what it said of its end."""
     environment = {**os.environ, "AMENT_PREFIX_PATH": sys.prefix}  # where the messages are
+    environment.pop("ROS_DOMAIN_ID", None)  # each graph takes a free one
     result = subprocess.run(
         [*map(str, command)], capture_output=True, text=True, check=False, env=environment
     )
