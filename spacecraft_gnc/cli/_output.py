@@ -25,7 +25,7 @@ class OutputFailed(GncError):
 
 
 class PipeClosed(OutputFailed):
-    """Whoever read standard output has gone: nobody is left to be told."""
+    """The reader of standard output has closed it."""
 
     exit_code: ClassVar[int] = 141  # as a shell reports SIGPIPE
 

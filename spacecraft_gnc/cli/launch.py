@@ -92,7 +92,7 @@ def launch(
         raise typer.Exit(error.exit_code) from error
     except NodeDied as error:
         print_error(error)
-        for line in error.last_words:
+        for line in error.last_output:
             print(f"  | {line}", file=sys.stderr)
         if plan.bag.is_dir() and not (plan.bag / METADATA_NAME).exists():
             print(f"  the bag was cut off: gnc recover {plan.bag}", file=sys.stderr)

@@ -128,7 +128,7 @@ class ControllerLoopPredictor:
         self.predict(State(0, np.eye(3), np.zeros(3)), lie.exp(np.array([0.1, 0.0, 0.0])))
 
     def reset(self) -> None:
-        """Nothing to forget: every prediction starts afresh."""
+        """Do nothing: predictions have no memory."""
 
     def predict(self, state: State, reference: Matrix3, reserve: float = 0.0) -> Prediction:
         """Fly the loop from ``state`` under ``reference`` (3, 3); see `prediction.Predictor`."""

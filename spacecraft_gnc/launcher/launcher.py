@@ -201,7 +201,7 @@ class Launcher:
         if reasons and step < 0:
             return NodeRefused("\n".join(f"{process.name}: {reason}" for reason in reasons))
         text = f"{process.describe_end()}{time_reached}; its log: {process.log}"
-        return NodeDied(text, process.last_words())
+        return NodeDied(text, process.last_output())
 
     def _refusal(self, names: Sequence[str]) -> NodeRefused:
         self._end()  # the nodes print their reasons as they end
@@ -215,7 +215,7 @@ class Launcher:
         return NodeDied(
             f"no step within {_STARTUP_PATIENCE:g} s ({state}); required nodes that find each "
             f"other; read the logs in {self.plan.logs}",
-            host.last_words(),
+            host.last_output(),
         )
 
     @contextmanager

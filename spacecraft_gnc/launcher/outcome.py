@@ -51,12 +51,12 @@ class NodeDied(LaunchError):
     ----------
     message
         The node, and how it ended.
-    last_words
+    last_output
         The last lines of its log.
     """
 
-    def __init__(self, message: str, last_words: Sequence[str]) -> None:
-        self.last_words = tuple(last_words)
+    def __init__(self, message: str, last_output: Sequence[str]) -> None:
+        self.last_output = tuple(last_output)
         super().__init__(message)
 
 

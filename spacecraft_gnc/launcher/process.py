@@ -15,7 +15,7 @@ from spacecraft_gnc.launcher.environment import TELL_WHERE
 
 _TAIL: Final = 20  # lines of a log shown
 _TAIL_BYTES: Final = 8192
-_LAST_WORDS: Final = 0.5  # [s] wall
+_OUTPUT_TIMEOUT: Final = 0.5  # [s] wall
 _POLL: Final = 0.02  # [s] wall
 
 
@@ -88,7 +88,7 @@ class NodeProcess:
             log.write(title.encode())
         self._popen.send_signal(TELL_WHERE)  # ends a process that has not become a node yet
         try:
-            return self._popen.wait(_LAST_WORDS)
+            return self._popen.wait(_OUTPUT_TIMEOUT)
         except subprocess.TimeoutExpired:
             self._popen.kill()
             return self._popen.wait()
@@ -105,7 +105,7 @@ class NodeProcess:
             return f"{self.name} (pid {self.pid}) was killed by {_signal_name(-code)}"
         return f"{self.name} (pid {self.pid}) ended with exit code {code}"
 
-    def last_words(self) -> list[str]:
+    def last_output(self) -> list[str]:
         """Return the last lines of its log."""
         try:
             with self.log.open("rb") as log:
@@ -118,7 +118,7 @@ class NodeProcess:
     def errors(self) -> list[str]:
         """Return the ``error:`` lines among the last lines of its log, without the prefix."""
         prefix = "error: "
-        return [w.removeprefix(prefix) for w in self.last_words() if w.startswith(prefix)]
+        return [w.removeprefix(prefix) for w in self.last_output() if w.startswith(prefix)]
 
 
 def end_all(processes: Sequence[NodeProcess], patience: float) -> None:

@@ -1,4 +1,4 @@
-"""Readiness: nobody starts before everybody hears everybody, so that no first message is lost."""
+"""Readiness: the flight starts once all endpoints are matched, so that no first message is lost."""
 
 from __future__ import annotations
 

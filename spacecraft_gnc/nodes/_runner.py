@@ -199,7 +199,7 @@ def _spin_once(executor: Executor, timeout: float) -> None:
 
 
 def _end(executor: Executor, nodes: Sequence[GncNode]) -> None:
-    """Shut the nodes down, last first, so that the recorder hears the last words of all."""
+    """Shut the nodes down, last first, so that the recorder receives the last messages of all."""
     for node in reversed(nodes):
         if node.active:
             _drain(executor, node)

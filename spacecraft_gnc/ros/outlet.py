@@ -37,7 +37,7 @@ class Outlet:
 
     @property
     def is_full(self) -> bool:
-        """Whether more would push out what nobody may have got."""
+        """Whether another message could displace one that is not acknowledged."""
         return self._unacknowledged >= self._most
 
     def publish(self, data: bytes) -> None:

@@ -35,7 +35,7 @@ NAME: Final = "player"
 _BEAT: Final = 0.05  # [s] wall: how late a key or a signal may be noticed
 _TELL: Final = 0.5  # [s] wall between two updates of the parameter `position`
 _SLOW_READER: Final = 5.0  # [s] wall after which a reader that acknowledges nothing is left behind
-_LAST_WORDS: Final = 2.0  # [s] wall granted to readers at the end
+_DRAIN_TIMEOUT: Final = 2.0  # [s] wall granted to readers at the end
 _DESCRIPTIONS: Final = {
     "rate": "Seconds of the bag in a second of wall time; 0: as fast as it goes [-]",
     "paused": "Whether the player stands [-]",
@@ -278,7 +278,7 @@ class Player:
 
     def _say_goodbye(self) -> None:
         for outlet in self._outlets.values():
-            outlet.drain(_LAST_WORDS if not self.played.interrupted else 0.0, lambda: False)
+            outlet.drain(_DRAIN_TIMEOUT if not self.played.interrupted else 0.0, lambda: False)
 
 
 _JUMPS: Final = {"back": -10.0, "forward": 10.0}  # [s]

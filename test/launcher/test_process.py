@@ -33,7 +33,7 @@ stuck_here()
 
 def start(code: str, log: Path) -> NodeProcess:
     process = NodeProcess("plant", ["-c", code], os.environ, log)
-    while process.last_words() != ["up"]:
+    while process.last_output() != ["up"]:
         assert process.exit_code is None
     return process
 
@@ -55,7 +55,7 @@ def test_one_that_hangs_tells_where(tmp_path: Path) -> None:
     process = start(HANGING, tmp_path / "log")
     end_all([process], 0.1)
     assert process.exit_code == -signal.SIGKILL
-    words = process.last_words()
+    words = process.last_output()
     assert re.fullmatch(r"plant: did not end within \d\.\d s; its threads:", words[1])
     assert any("in stuck_here" in line for line in words[2:])
 
@@ -64,11 +64,11 @@ def test_sees_the_launcher_go(tmp_path: Path) -> None:
     process = start(WAIT, tmp_path / "log")
     process._popen.stdin.close()  # what the end of the launcher does
     assert process.join(10.0) == 0
-    assert process.last_words() == ["up", "bye"]
+    assert process.last_output() == ["up", "bye"]
     assert process.describe_end().endswith("ended with exit code 0")
 
 
-def test_errors_are_found_among_the_last_words(tmp_path: Path) -> None:
+def test_errors_are_found_among_the_last_output(tmp_path: Path) -> None:
     code = "import sys; print('x'); sys.exit('error: a: received b')"
     process = NodeProcess("plant", ["-c", code], os.environ, tmp_path / "log")
     assert process.join(10.0) == 1

@@ -104,8 +104,8 @@ sys.exit(run(Node))
 
 
 def reached(node: NodeProcess, word: str) -> None:
-    while word not in node.last_words():
-        assert node.exit_code is None, node.last_words()
+    while word not in node.last_output():
+        assert node.exit_code is None, node.last_output()
 
 
 def ended_by_its_launcher(place: str, folder: Path) -> NodeProcess:
@@ -128,7 +128,7 @@ def ended_by_its_launcher(place: str, folder: Path) -> NodeProcess:
 def test_a_node_that_hangs_leaves_its_stacks(tmp_path: Path, place: str) -> None:
     node = ended_by_its_launcher(place, tmp_path)
     assert node.exit_code == -signal.SIGKILL
-    words = node.last_words()
+    words = node.last_output()
     title = next(i for i, line in enumerate(words) if line.endswith("its threads:"))
     assert any("in stuck_here" in line for line in words[title:])
 
@@ -137,4 +137,4 @@ def test_what_would_hang_after_python_has_ended_is_not_waited_for(tmp_path: Path
     """There no stack can be told any more: the signal that asks for it ends the process."""
     node = ended_by_its_launcher("library", tmp_path)
     assert node.exit_code == 0
-    assert node.last_words() == ["up"]
+    assert node.last_output() == ["up"]

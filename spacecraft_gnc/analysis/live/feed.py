@@ -125,7 +125,7 @@ class Feed:
                 samples = list(flight.history.since(count))
                 count += len(samples)
                 events.append(Event("frame", {**self._frame, "samples": samples}))
-            yield from events  # outside the lock: a slow watcher delays nobody
+            yield from events  # outside the lock, so that a slow viewer delays no other
 
     def _transport(self) -> dict[str, Any] | None:
         transport = self._flight.transport
