@@ -69,7 +69,7 @@ def _rows(rebuilt: Rebuilt) -> list[tuple[str, str]]:
 
 
 def _losses(rebuilt: Rebuilt) -> list[tuple[str, str]]:
-    """Return what is known to be missing; messages that never reached the file cannot be counted."""
+    """Return the known losses; messages that never reached the file cannot be counted."""
     rows = [(f"{name} lacks", f"{count} steps") for name, count in rebuilt.missing_steps.items()]
     if rebuilt.damaged_chunks:
         rows.append(("damaged chunks", f"{rebuilt.damaged_chunks}, left out"))
