@@ -52,7 +52,8 @@ demo: setup ## fly a published case and a slew past two zones through the node g
 	@$(BIN)/python tools/demo.py
 
 test: lint ## set up, check style and types, run every test
-	@$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup --no-loadscope-reorder --durations 10
+	@$(BIN)/python -m pytest --durations 10 -m graph
+	@$(BIN)/python -m pytest --durations 10 -m "not graph" --numprocesses auto --maxprocesses 4 --dist loadfile
 
 lint: setup ## check style and types
 	@$(BIN)/ruff check

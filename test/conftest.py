@@ -14,17 +14,8 @@ settings.load_profile("fixed")
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects by the marker added here
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Give each worker whole files, and one worker all graphs, because two would share two cores.
-
-    Graphs run first because they take longest. Live pages run with them: both take free ports.
-    """
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Count live pages among the graphs: both take free ports, and two would share two cores."""
     for item in items:
         if item.path.parent.name == "live":
             item.add_marker("graph")
-    if config.pluginmanager.hasplugin("xdist"):
-        for item in items:
-            name = f"{item.path.parent.name}/{item.path.name}"
-            graph = item.get_closest_marker("graph") is not None
-            item.add_marker(pytest.mark.xdist_group("graph" if graph else name))
-        items.sort(key=lambda item: item.get_closest_marker("graph") is None)
