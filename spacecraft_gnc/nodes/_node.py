@@ -20,7 +20,7 @@ from spacecraft_gnc.signals.message import Stamp
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
 _MOST_REPEATS = 20  # of a state that a restarted node waits through for its peers
-_SETTLING = 1.0  # [s] wall time from when a restarted node has found its peers
+_SETTLING = 1.5  # [s] wall time from when a restarted node has found its peers
 
 
 class GncNode(NodeWithEnds):
