@@ -36,17 +36,11 @@ nmpc_controller:
 def flight(n=20):
     """Return the first ``n`` control steps of Case I, its torque from several sources."""
     whole = case1()
-    rows = {
-        name: getattr(whole, name)[:n]
-        for name in (
-            "time", "attitude", "momentum", "torque", "reference", "iterations", "residual",
-            "cost", "solve_time", "status", "alpha", "governor_margin",
-        )
-    }  # fmt: skip
+    names = ["time", *(name for name, column in whole.columns() if not column.at_end)]
+    rows = {name: getattr(whole, name)[:n] for name in names}
     return replace(
         whole,
-        **rows,
-        source=np.minimum(np.arange(n) // 4, 4),
+        **{**rows, "source": np.minimum(np.arange(n) // 4, 4)},
         final_attitude=whole.attitude[n],
         final_momentum=whole.momentum[n],
     )
