@@ -12,6 +12,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, RunFailed, print_json
 from spacecraft_gnc.cli._domain import AgentOption, DomainOption, agents_on, choose_domain
 from spacecraft_gnc.errors import GncError, ParameterError
+from spacecraft_gnc.extras import require_ros
 from spacecraft_gnc.types import Array, unit_vector
 
 AxisOption = Annotated[
@@ -47,6 +48,7 @@ def slew(
 ) -> None:
     """Slew to an attitude and wait until it is reached; Ctrl-C cancels."""
     target = _target(axis, angle_deg, quaternion)
+    require_ros()
     from spacecraft_gnc.ros.graph import GraphView
     from spacecraft_gnc.ros.slew_client import slew as fly
 
