@@ -7,17 +7,20 @@ believes (``nmpc_controller.inertia``), whatever the plant is.
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.governors.attitude import AttitudeGovernor
 from spacecraft_gnc.governors.moving import StoredTrajectory, TurningReference, attitudes_of
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
-from spacecraft_gnc.governors.prediction import Planner
-from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.types import State
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
+
+if TYPE_CHECKING:  # numba takes 64 MB, which a node without a governor law spares
+    from spacecraft_gnc.governors.attitude import AttitudeGovernor
+    from spacecraft_gnc.governors.prediction import Planner
+    from spacecraft_gnc.governors.reference_set import ReferenceSet
 
 
 def pass_through(scenario: Scenario) -> PassThroughGovernor:
@@ -34,6 +37,7 @@ def attitude_governor(scenario: Scenario) -> AttitudeGovernor:
         If a parameter is refused, or the loop violates a constraint from its start even while the
         initial reference is held.
     """
+    from spacecraft_gnc.governors.attitude import AttitudeGovernor
     from spacecraft_gnc.vehicles.rigid_body.governors.predictors import predictor_of
 
     known_inertia(scenario, "nmpc_controller", scenario.controller.inertia)
@@ -91,6 +95,7 @@ def stored_trajectory(scenario: Scenario) -> StoredTrajectory:
 
 def reference_set_of(scenario: Scenario) -> ReferenceSet:
     """Return the set of a scenario's zones and ``reference_governor.steady_margin_deg``."""
+    from spacecraft_gnc.governors.reference_set import ReferenceSet
     from spacecraft_gnc.vehicles.rigid_body.zones import zones_of  # imports the solvers, slow
 
     names = tuple(zone.name for zone in scenario.controller.zones)
