@@ -163,3 +163,8 @@ def _triangles() -> list[list[int]]:
             corners.append((inner + s, outer + s, outer + t))
             corners.append((inner + s, outer + t, inner + t))
     return [list(column) for column in zip(*corners, strict=True)]
+
+
+def scene(motions: Sequence[Motion], points: int) -> tuple[dict[str, Any], str]:
+    """Return what the view draws, and which states it steps through."""
+    return view_data(motions, points), frames_note(motions, points)

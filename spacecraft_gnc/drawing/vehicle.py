@@ -8,18 +8,42 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from spacecraft_gnc.drawing.chart import Chart
 from spacecraft_gnc.drawing.table import Row
+from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.drawing.figures import Maker
     from spacecraft_gnc.recording.bag import Bag
 
 
-class VehicleReport(Protocol):
-    """The part of the report's page that is the vehicle's own.
+class FlownRun(Protocol):
+    """A run as figures and report read it; a room types its flight and its scenario.
 
-    A run has the attributes name, times (n + 1,) [s], trajectory, telemetry (as `telemetry` returns
-    it), scenario (None: not known) and metrics.
+    A run of a report also has ``telemetry``, as `VehicleReport.telemetry` returns it.
     """
+
+    @property
+    def name(self) -> str:
+        """How it is called."""
+
+    @property
+    def times(self) -> Array:
+        """(n + 1,) of the states [s]."""
+
+    @property
+    def trajectory(self) -> Any:
+        """What was flown."""
+
+    @property
+    def scenario(self) -> Any:
+        """What flew; None: not known."""
+
+    @property
+    def metrics(self) -> dict[str, Any]:
+        """Its summary in numbers."""
+
+
+class VehicleReport(Protocol):
+    """The part of the report's page that is the vehicle's own; its runs are each a `FlownRun`."""
 
     @property
     def rows(self) -> Sequence[Row]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,9 @@ from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.parameters.parameter import names_of
 from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
 from spacecraft_gnc.status import Source
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.loop.protocols import Controller
 
 _Number = TypeVar("_Number", np.int64, np.float64)
 
@@ -94,6 +97,33 @@ class GovernorLaw:
     def reads(self) -> frozenset[str]:
         """Parameters of ``reference_governor`` that it reads beside those that every law reads."""
         return frozenset() if self.parameters is None else names_of(self.parameters)
+
+
+class VehicleScenario(Protocol):
+    """What a room reads of a checked scenario (`scenario.Scenario`), beside its typed sections."""
+
+    @property
+    def path(self) -> str:
+        """Where it comes from."""
+
+    @property
+    def method(self) -> Method:
+        """Method of the controller."""
+
+    @property
+    def period(self) -> float:
+        """Control period [s]."""
+
+    @property
+    def substeps(self) -> int:
+        """Integrator steps in one control period."""
+
+    @property
+    def n_steps(self) -> int:
+        """Whole control steps in the duration."""
+
+    def build_controller(self) -> Controller[Any, Any]:
+        """Return a controller of the scenario."""
 
 
 class Outlook(NamedTuple):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
-from spacecraft_gnc.types import Array
+from spacecraft_gnc.drawing.vehicle import FlownRun
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
@@ -12,16 +12,8 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
 
 
-class Flown(Protocol):
+class Flown(FlownRun, Protocol):
     """One run."""
-
-    @property
-    def name(self) -> str:
-        """How it is called."""
-
-    @property
-    def times(self) -> Array:
-        """(n + 1,) of the states [s]."""
 
     @property
     def trajectory(self) -> Flight:
@@ -34,7 +26,3 @@ class Flown(Protocol):
     @property
     def scenario(self) -> Scenario | None:
         """What flew; None: not known."""
-
-    @property
-    def metrics(self) -> dict[str, Any]:
-        """Its summary in numbers."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording.aligned import overridden, period_of, targets_of, times_of
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
 from spacecraft_gnc.signals import Signal
@@ -19,7 +20,13 @@ from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, RE
 from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
-from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS, STATE, TORQUE
+from spacecraft_gnc.vehicles.rigid_body.signals import (
+    APPLIED,
+    INVARIANTS,
+    SOLVER_STATUS,
+    STATE,
+    TORQUE,
+)
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
@@ -28,7 +35,6 @@ _TOPICS: Final = (
     STATE, REFERENCE, ACCEPTED_TARGET, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS,
 )  # fmt: skip
 PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
-_GRID_TOLERANCE: Final = 1e-6  # [s] stamps are whole nanoseconds, the grid is k times the period
 
 
 class Torques(NamedTuple):
@@ -66,14 +72,15 @@ def read_recorded(
     columns = read_columns(bag, _TOPICS, namespace, progress, leave_out=PLANS)
     torques = acted(columns)
     n = whole_steps(bag, columns, torques)
-    missing, overridden = _missing(columns, torques), _overridden(columns)
-    period = scenario.period if scenario is not None else _period(columns[STATE])
-    targets = _targets(n, columns[ACCEPTED_TARGET], scenario)
+    missing = _missing(columns, torques)
+    period = scenario.period if scenario is not None else period_of(columns[STATE])
+    initial = None if scenario is None else lie.exp(scenario.governor.target_rotation_vector)
+    targets = targets_of(n, columns[ACCEPTED_TARGET], initial)
     if scenario is not None:
         torques = torques._replace(source=scenario.method.current_sources(torques.source))
     is_moving = scenario is not None and scenario.law.moves and bool(columns[REFERENCE].steps.size)
     trajectory = _trajectory(n, columns, torques, targets, period, is_moving)
-    return Recorded(trajectory, missing, overridden)
+    return Recorded(trajectory, missing, overridden(columns, APPLIED))
 
 
 def acted(columns: Mapping[Signal, Columns]) -> Torques:
@@ -126,35 +133,6 @@ def _missing(columns: Mapping[Signal, Columns], torques: Torques) -> dict[str, t
     return {topic.name: absent for topic, absent in missing.items() if absent}
 
 
-def _overridden(columns: Mapping[Signal, Columns]) -> tuple[int, ...]:
-    """Return the steps in which the plant applied another torque than commanded."""
-    commands, applied = columns[TORQUE], columns[INVARIANTS]
-    both, at, after = np.intersect1d(commands.steps, applied.steps - 1, return_indices=True)
-    if not both.size:
-        return ()
-    commanded, acted = commands.fields["torque"][at], applied.fields["applied_torque"][after]
-    return tuple(both[(commanded != acted).any(axis=1)].tolist())
-
-
-def _period(states: Columns) -> float:
-    """Return the control period [s] from the stamps of the first and the last state."""
-    (first, last), (start, end) = states.steps[[0, -1]], states.stamps[[0, -1]]
-    return round(float(end - start) / int(last - first), 9)
-
-
-def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
-    """Return (n, 3, 3) targets: the scenario's, then those that the governor took in flight.
-
-    NaN where the scenario is not known; a reference that moves by itself stands for its target.
-    """
-    targets = np.full((n, 3, 3), math.nan)
-    if scenario is not None:
-        targets[:] = lie.exp(scenario.governor.target_rotation_vector)
-    for i, step in enumerate(taken.steps.tolist()):
-        targets[step:] = taken.fields["attitude"][i].reshape(3, 3)
-    return targets
-
-
 def _trajectory(
     n: int,
     columns: Mapping[Signal, Columns],
@@ -180,7 +158,7 @@ def _trajectory(
     status = _integers(n, -1, solves.steps, solves.fields.get("status"))
     return RigidBodyFlight(
         period=period,
-        time=_times(n, states, period),
+        time=times_of(n, states, period),
         attitude=_filled(n, states, "attitude", (9,)).reshape(n, 3, 3),
         momentum=_filled(n, states, "angular_momentum", (3,)),
         torque=_placed(n, torques.steps, torques.torque),
@@ -201,16 +179,6 @@ def _trajectory(
         final_momentum=states.fields["angular_momentum"][final],
         final_reference=last.reshape(3, 3),
     )
-
-
-def _times(n: int, states: Columns, period: float) -> Array:
-    """Return (n,) times of the steps: the grid, unless the stamps tell otherwise."""
-    grid = np.asarray(period * np.arange(n), dtype=np.float64)
-    stamps = _placed(n, states.steps, states.stamps)
-    recorded = np.isfinite(stamps)
-    if np.allclose(stamps[recorded], grid[recorded], rtol=0.0, atol=_GRID_TOLERANCE):
-        return grid
-    return np.asarray(np.where(recorded, stamps, grid))
 
 
 def _feedforward(n: int, references: Columns, name: str) -> Array:

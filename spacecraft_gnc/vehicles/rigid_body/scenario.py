@@ -7,21 +7,16 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from spacecraft_gnc.loop.protocols import Controller
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem
 from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.rigid_body.controllers.methods import ControllerParameters
 from spacecraft_gnc.vehicles.rigid_body.parameters.governor import GovernorParameters
 from spacecraft_gnc.vehicles.rigid_body.parameters.plant import PlantParameters
-from spacecraft_gnc.vehicles.vehicle import GovernorLaw, Method
+from spacecraft_gnc.vehicles.vehicle import GovernorLaw, VehicleScenario
 
 
-class Scenario(Protocol):
+class Scenario(VehicleScenario, Protocol):
     """A checked scenario of a rigid body (`scenario.Scenario`)."""
-
-    @property
-    def path(self) -> str:
-        """Where it comes from."""
 
     @property
     def plant(self) -> PlantParameters:
@@ -40,27 +35,8 @@ class Scenario(Protocol):
         """What was given, by section."""
 
     @property
-    def method(self) -> Method:
-        """Method of the controller."""
-
-    @property
     def law(self) -> GovernorLaw:
         """Law of the governor."""
-
-    @property
-    def period(self) -> float:
-        """Control period [s]."""
-
-    @property
-    def substeps(self) -> int:
-        """Integrator steps in one control period."""
-
-    @property
-    def n_steps(self) -> int:
-        """Whole control steps in the duration."""
-
-    def build_controller(self) -> Controller[Any, Any]:
-        """Return a controller of the scenario."""
 
 
 def known_inertia(scenario: Scenario, section: str, inertia: Matrix3) -> Matrix3:

@@ -6,6 +6,7 @@ from typing import Any, Final, NamedTuple
 
 from spacecraft_gnc.loop.protocols import Source, State
 from spacecraft_gnc.signals import ANY, INFINITE, ROTATION, Field, Message, Rule, Signal
+from spacecraft_gnc.signals.applied import Applied
 from spacecraft_gnc.signals.attitude import (
     ACCEPTED_TARGET,
     ATTITUDE_ERROR,
@@ -142,6 +143,7 @@ ZONE_MARKERS: Final = Signal(
     qos=latched(1),
     rank=SETUP,
 )
+APPLIED: Final = Applied(INVARIANTS, "applied_torque", "applied_source", TORQUE, "torque")
 SIGNALS: Final = (
     STATE,
     REFERENCE,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
 from spacecraft_gnc.vehicles.two_wheel.summary import states
@@ -16,16 +17,8 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
 
-class Flown(Protocol):
+class Flown(FlownRun, Protocol):
     """One run."""
-
-    @property
-    def name(self) -> str:
-        """How it is called."""
-
-    @property
-    def times(self) -> Array:
-        """(n + 1,) of the states [s]."""
 
     @property
     def trajectory(self) -> WheelFlight:
@@ -34,10 +27,6 @@ class Flown(Protocol):
     @property
     def scenario(self) -> Scenario | None:
         """What flew; None: not known."""
-
-    @property
-    def metrics(self) -> dict[str, Any]:
-        """Its summary in numbers."""
 
 
 def error_deg(flight: WheelFlight) -> Array:

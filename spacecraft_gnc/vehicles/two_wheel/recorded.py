@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeAlias
 
@@ -13,21 +12,20 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.flight import Column
+from spacecraft_gnc.recording.aligned import overridden, period_of, targets_of, times_of
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, REFERENCE
-from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
 from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
-from spacecraft_gnc.vehicles.two_wheel.signals import COMMAND, STATE
+from spacecraft_gnc.vehicles.two_wheel.signals import APPLIED, COMMAND, STATE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
 Topics: TypeAlias = Mapping[Signal, Columns]
 _SIGNALS: Final = (STATE, REFERENCE, ACCEPTED_TARGET, COMMAND)
-_GRID_TOLERANCE: Final = 1e-6  # [s] stamps are whole nanoseconds, the grid is k times the period
 
 
 class Recorded(NamedTuple):
@@ -54,15 +52,16 @@ def read_recorded(
     """
     columns = read_columns(bag, _SIGNALS, namespace, progress)
     n = whole_steps(bag, columns)
-    period = _period(columns[STATE]) if scenario is None else scenario.period
+    period = period_of(columns[STATE]) if scenario is None else scenario.period
     named = {signal.name: columns[signal] for signal in _SIGNALS}
     values = {
         name: _at(named.get(column.signal), column, n) for name, column in WheelFlight.columns()
     }
     values["euler_321"] = to_euler_321(values["attitude"])
-    values["target"] = _targets(n, columns[ACCEPTED_TARGET], scenario)
-    flight = WheelFlight(period=period, time=_times(n, columns[STATE], period), **values)
-    return Recorded(flight, _missing(columns), _overridden(columns))
+    initial = None if scenario is None else lie.exp(scenario.governor.target_rotation_vector)
+    values["target"] = targets_of(n, columns[ACCEPTED_TARGET], initial)
+    flight = WheelFlight(period=period, time=times_of(n, columns[STATE], period), **values)
+    return Recorded(flight, _missing(columns), overridden(columns, APPLIED))
 
 
 def whole_steps(bag: Bag, columns: Topics) -> int:
@@ -98,16 +97,6 @@ def _at(columns: Columns | None, column: Column, n: int) -> NDArray[Any]:
     return array[n] if column.at_end else array[:n]
 
 
-def _targets(n: int, taken: Columns, scenario: Scenario | None) -> Array:
-    """Return (n, 3, 3) targets: the scenario's, then those that the governor took in flight."""
-    targets = np.full((n, 3, 3), math.nan)
-    if scenario is not None:
-        targets[:] = lie.exp(scenario.governor.target_rotation_vector)
-    for i, step in enumerate(taken.steps.tolist()):
-        targets[step:] = taken.fields["attitude"][i].reshape(3, 3)
-    return targets
-
-
 def _missing(columns: Topics) -> dict[str, tuple[int, ...]]:
     """Return the steps without a message, by topic; a topic never recorded is not listed."""
     last = int(columns[STATE].steps[-1])
@@ -116,27 +105,3 @@ def _missing(columns: Topics) -> dict[str, tuple[int, ...]]:
         if columns[signal].steps.size:
             absent[signal.name] = columns[signal].missing(0, last - 1)
     return {topic: steps for topic, steps in absent.items() if steps}
-
-
-def _overridden(columns: Topics) -> tuple[int, ...]:
-    """Return the steps in which the plant applied another acceleration than commanded."""
-    commands, states = columns[COMMAND], columns[STATE]
-    both, at, after = np.intersect1d(commands.steps, states.steps - 1, return_indices=True)
-    commanded, applied = commands.fields["acceleration"], states.fields["applied_acceleration"]
-    return tuple(both[(commanded[at] != applied[after]).any(axis=1)].tolist())
-
-
-def _period(states: Columns) -> float:
-    """Return the control period [s] from the stamps of the first and the last state."""
-    (first, last), (start, end) = states.steps[[0, -1]], states.stamps[[0, -1]]
-    return round(float(end - start) / int(last - first), 9)
-
-
-def _times(n: int, states: Columns, period: float) -> Array:
-    """Return (n,) times of the steps: the grid, unless the stamps tell otherwise."""
-    times = np.asarray(period * np.arange(n), dtype=np.float64)
-    within = states.steps < n
-    steps, stamps = states.steps[within], states.stamps[within]
-    if not np.allclose(stamps, times[steps], rtol=0.0, atol=_GRID_TOLERANCE):
-        times[steps] = stamps
-    return times

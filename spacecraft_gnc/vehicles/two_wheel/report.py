@@ -124,11 +124,7 @@ class WheelReport:
 
     def scene(self, runs: Sequence[Flown], points: int) -> tuple[dict[str, Any], str]:
         """Return the attitudes on the unit sphere."""
-        motions = [_motion(run) for run in runs]
-        return (
-            attitude_view.view_data(motions, points),
-            attitude_view.frames_note(motions, points),
-        )
+        return attitude_view.scene([_motion(run) for run in runs], points)
 
     def scene_script(self) -> str:
         """Return the code of the view."""

@@ -6,17 +6,15 @@ the recording: differences of the commands are differences of the controllers al
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.replay import complete_steps, require_period
 from spacecraft_gnc.vehicles.two_wheel.resolved import Resolved
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
@@ -27,6 +25,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
 _STILL: Final = np.zeros(3)
+_NEEDED: Final = ("attitude", "reference", "wheel_speed", "wheel_acceleration")
 
 
 class WheelReplay:
@@ -53,13 +52,8 @@ class WheelReplay:
         """
         del recorded
         controller = revised.build_controller()
-        if not math.isclose(controller.period, flight.period, rel_tol=1e-9):
-            raise ParameterError(
-                f"nmpc_controller.time_step: received {controller.period:g} s; required the period "
-                f"of the flight, {flight.period:g} s, at which its states were recorded; leave it "
-                "out"
-            )
-        chosen = _complete(flight, *(steps or (0, flight.n_steps)))
+        require_period(controller, flight)
+        chosen = complete_steps(flight, _NEEDED, steps, "command")
         controller.warm_up()
         controller.reset()
         answers, walls = [], []
@@ -120,25 +114,6 @@ def _state(flight: WheelFlight, k: int) -> WheelState:
         flight.total_momentum[k],
         flight.healthy[k],
     )
-
-
-def _complete(flight: WheelFlight, first: int, end: int) -> NDArray[np.int64]:
-    """Return the steps from ``first`` to before ``end`` whose messages were all recorded."""
-    n = flight.n_steps
-    if not 0 <= first < end <= n:
-        raise ParameterError(
-            f"--steps: received {first}:{end}; required A:B with 0 <= A < B <= {n}, the number of "
-            f"steps of the flight; give for example 0:{n}"
-        )
-    rows = (flight.attitude, flight.reference, flight.wheel_speed, flight.wheel_acceleration)
-    numbers = np.hstack([array[first:end].reshape(end - first, -1) for array in rows])
-    steps = first + np.flatnonzero(np.isfinite(numbers).all(axis=1))
-    if not steps.size:
-        raise ParameterError(
-            f"--steps: received {first}:{end}, in which every step lacks a state, a reference or a "
-            "command; required at least one complete step; choose others"
-        )
-    return steps
 
 
 def _side(scenario: Scenario, commands: Array, walls: Array | None) -> dict[str, Any]:

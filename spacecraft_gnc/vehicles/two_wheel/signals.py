@@ -8,6 +8,7 @@ import numpy as np
 
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.signals import ROTATION, Field, Message, Rule, Signal
+from spacecraft_gnc.signals.applied import Applied
 from spacecraft_gnc.signals.attitude import (
     ACCEPTED_TARGET,
     ATTITUDE_ERROR,
@@ -115,6 +116,7 @@ COMMAND: Final = Signal(
     pack=_pack_command,
     unpack=_unpack_command,
 )
+APPLIED: Final = Applied(STATE, "applied_acceleration", "applied_source", COMMAND, "acceleration")
 SIGNALS: Final = (
     STATE,
     REFERENCE,

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.audit.applied import held_steps
 from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import Evidence, Progress, Topics
 from spacecraft_gnc.audit.ledger import Ledger
@@ -22,10 +23,16 @@ from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
 from spacecraft_gnc.vehicles.rigid_body.audit.references import audit_references
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LAW, audit_law
 from spacecraft_gnc.vehicles.rigid_body.audit.solver import SolverAudit
-from spacecraft_gnc.vehicles.rigid_body.audit.torques import audit_torques, held_steps
+from spacecraft_gnc.vehicles.rigid_body.audit.torques import audit_torques
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
 from spacecraft_gnc.vehicles.rigid_body.recorded import PLANS, acted, whole_steps
-from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS, STATE, TORQUE
+from spacecraft_gnc.vehicles.rigid_body.signals import (
+    APPLIED,
+    INVARIANTS,
+    SOLVER_STATUS,
+    STATE,
+    TORQUE,
+)
 
 _TOPICS: Final = Topics(
     every_step=(STATE, INVARIANTS, REFERENCE, GOVERNOR_STATUS, TORQUE, SOLVER_STATUS),
@@ -46,7 +53,7 @@ class RigidBodyAudit:
 
     def held_steps(self, evidence: Evidence) -> NDArray[np.int64]:
         """Return the steps for which the plant says that no command came in time."""
-        return held_steps(evidence)
+        return held_steps(evidence, APPLIED)
 
     def audit(
         self,

@@ -9,16 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.flight import End, Step
 from spacecraft_gnc.loop.flight_log import FlightLog
-from spacecraft_gnc.loop.protocols import Controller, GovernorDecision, Reference, State
+from spacecraft_gnc.loop.protocols import GovernorDecision, Reference, State
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.replay import complete_steps, require_period
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
 from spacecraft_gnc.vehicles.rigid_body.resolve.prices import Price, Pricing
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 Progress = Callable[[int, int], None]
+_NEEDED: Final = ("attitude", "reference", "momentum", "torque")
 
 
 class Resolved(NamedTuple):
@@ -102,8 +103,8 @@ def resolve(
         If the periods of the two differ, or no step can be compared.
     """
     controller = revised.build_controller()
-    _require_period(controller, flight)
-    chosen = _complete(flight, *(steps or (0, flight.n_steps)))
+    require_period(controller, flight)
+    chosen = complete_steps(flight, _NEEDED, steps, "torque")
     controller.warm_up()
     controller.reset()
     pricing = Pricing(recorded, revised)
@@ -123,33 +124,6 @@ def resolve(
     names = ("torque", "residual", "cost", "solve_time", "iterations", "status", "source")
     replayed = replace(excerpt, **{name: getattr(answers, name) for name in names})
     return Resolved(chosen, excerpt, replayed, tuple(prices))
-
-
-def _require_period(controller: Controller[Any, Any], flight: Flight) -> None:
-    if not math.isclose(controller.period, flight.period, rel_tol=1e-9):
-        raise ParameterError(
-            f"nmpc_controller.time_step: received {controller.period:g} s; required the period of "
-            f"the flight, {flight.period:g} s, at which its states were recorded; leave it out"
-        )
-
-
-def _complete(flight: Flight, first: int, end: int) -> NDArray[np.int64]:
-    """Return the steps from ``first`` to before ``end`` whose messages were all recorded."""
-    n = flight.n_steps
-    if not 0 <= first < end <= n:
-        raise ParameterError(
-            f"--steps: received {first}:{end}; required A:B with 0 <= A < B <= {n}, the number of "
-            f"steps of the flight; give for example 0:{n}"
-        )
-    rows = (flight.attitude, flight.reference, flight.momentum, flight.torque)
-    numbers = np.hstack([array[first:end].reshape(end - first, -1) for array in rows])
-    steps = first + np.flatnonzero(np.isfinite(numbers).all(axis=1))
-    if not steps.size:
-        raise ParameterError(
-            f"--steps: received {first}:{end}, in which every step lacks a state, a reference or a "
-            "torque; required at least one complete step; choose others"
-        )
-    return steps
 
 
 def _recorded(flight: Flight, k: int) -> tuple[State, GovernorDecision]:

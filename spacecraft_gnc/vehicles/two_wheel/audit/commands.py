@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.audit.applied import stand_ins
 from spacecraft_gnc.audit.evidence import Evidence, Progress
 from spacecraft_gnc.audit.ledger import Ledger, as_absolute
 from spacecraft_gnc.loop.protocols import Command, Source
@@ -16,10 +17,9 @@ from spacecraft_gnc.signals.attitude import (
     REFERENCE,
     quaternion_of,
 )
-from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.types import Array, GovernorDecision, Reference, read_only
 from spacecraft_gnc.vehicles.two_wheel.audit.states import recorded_states
-from spacecraft_gnc.vehicles.two_wheel.signals import COMMAND, STATE
+from spacecraft_gnc.vehicles.two_wheel.signals import APPLIED, COMMAND, STATE
 
 _DECISION: Final = "decision of the governor"
 _LAW: Final = "command of the law"
@@ -139,7 +139,7 @@ def audit_applied(evidence: Evidence, held: NDArray[np.int64], ledger: Ledger) -
     commanded = evidence.rows(COMMAND, "acceleration", steps)
     _applied(evidence, ledger, name, steps, commanded, evidence.rows(COMMAND, "source", steps))
     if held.size:
-        _applied(evidence, ledger, late, held, *_stand_ins(evidence, held))
+        _applied(evidence, ledger, late, held, *stand_ins(evidence, held, APPLIED))
         ledger.check(late, "", f"{held.size} steps held or idle, as wall_timing counts them")
     else:
         ledger.skip(late, "every command came in time")
@@ -160,40 +160,3 @@ def _applied(
     for field, expected in (("applied_acceleration", accelerations), ("applied_source", sources)):
         told, where = evidence.rows(STATE, field, steps + 1), f"{STATE}.{field}"
         ledger.compare(name, steps + 1, {where: told}, {where: expected})
-
-
-def held_steps(evidence: Evidence) -> NDArray[np.int64]:
-    """Return the steps for which the plant says that no command came in time.
-
-    In free run its count grows by one at each. In lockstep, where it is told now and then only,
-    the idle steps of the plant's own must be as many as it counts in all.
-    """
-    timing = evidence.columns[WALL_TIMING]
-    none = np.empty(0, dtype=np.int64)
-    if not timing.steps.size:
-        return none
-    steps = np.arange(evidence.n)
-    if evidence.scenario.plant.mode == "free_run":
-        told = evidence.rows(WALL_TIMING, "held_commands", steps + 1)
-        return np.flatnonzero(np.diff(np.concatenate([[0], told])) == 1)
-    idle = evidence.rows(STATE, "applied_source", steps + 1) == Source.ZERO
-    idle &= (evidence.rows(STATE, "applied_acceleration", steps + 1) == 0.0).all(axis=1)
-    found = np.flatnonzero(idle & (evidence.rows(COMMAND, "source", steps) != Source.ZERO))
-    return found if found.size == timing.fields["held_commands"].max() else none
-
-
-def _stand_ins(evidence: Evidence, held: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Return accelerations and sources that act without a command: the last ones, or none.
-
-    In free run the last command is held for ``plant.max_held_steps``, in lockstep not at all.
-    """
-    plant = evidence.scenario.plant
-    most = plant.max_held_steps if plant.mode == "free_run" else 0
-    runs = np.ones(held.size, dtype=np.int64)
-    for i in np.flatnonzero(np.diff(held) == 1):
-        runs[i + 1] = runs[i] + 1
-    idle = (runs > most) | (held == 0)
-    acceleration = np.nan_to_num(evidence.rows(STATE, "applied_acceleration", held))
-    source = evidence.rows(STATE, "applied_source", held)
-    acceleration[idle], source[idle] = 0.0, Source.ZERO
-    return acceleration, source

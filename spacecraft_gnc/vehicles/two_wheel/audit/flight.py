@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.audit.applied import held_steps
 from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import Evidence, Topics
 from spacecraft_gnc.audit.ledger import Ledger
@@ -19,11 +20,10 @@ from spacecraft_gnc.vehicles.two_wheel.audit.commands import (
     audit_applied,
     audit_law,
     audit_references,
-    held_steps,
 )
 from spacecraft_gnc.vehicles.two_wheel.audit.motion import audit_motion
 from spacecraft_gnc.vehicles.two_wheel.recorded import whole_steps
-from spacecraft_gnc.vehicles.two_wheel.signals import COMMAND, STATE
+from spacecraft_gnc.vehicles.two_wheel.signals import APPLIED, COMMAND, STATE
 
 _TOPICS: Final = Topics(
     every_step=(STATE, REFERENCE, GOVERNOR_STATUS, COMMAND),
@@ -58,7 +58,7 @@ class WheelAudit:
 
     def held_steps(self, evidence: Evidence) -> NDArray[np.int64]:
         """Return the steps for which the plant says that no command came in time."""
-        return held_steps(evidence)
+        return held_steps(evidence, APPLIED)
 
     def audit(
         self,
