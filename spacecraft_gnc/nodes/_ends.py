@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
@@ -23,7 +24,7 @@ from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.members import Members, Place
 from spacecraft_gnc.signals.qos import QosProfile
 
-_ACKNOWLEDGED_WITHIN = Duration(seconds=1)  # wall time granted to slow readers
+_ACKNOWLEDGED_WITHIN = 1.0  # [s] wall time granted to slow readers
 
 
 class NodeWithEnds(LifecycleNode):
@@ -138,9 +139,11 @@ class NodeWithEnds(LifecycleNode):
         self._resources.callback(give_back, *arguments)
 
     def await_readers(self) -> None:
-        """Wait a little until what was published is acknowledged."""
+        """Wait a little until what was published is acknowledged, of all publishers together."""
+        deadline = time.monotonic() + _ACKNOWLEDGED_WITHIN
         for publisher in self._open_publishers:
-            publisher.wait_for_all_acked(_ACKNOWLEDGED_WITHIN)
+            left = max(deadline - time.monotonic(), 0.0)
+            publisher.wait_for_all_acked(Duration(seconds=left))
 
     def close(self) -> None:
         """Give everything back."""

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from rclpy.duration import Duration
 from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from spacecraft_gnc.errors import GncError
@@ -19,8 +20,8 @@ from spacecraft_gnc.signals.graph import DIAGNOSTICS, READY, RECORDER
 from spacecraft_gnc.signals.message import Stamp
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
-_MOST_REPEATS = 20  # of a state that a restarted node waits through for its peers
-_SETTLING = 1.5  # [s] wall time from when a restarted node has found its peers
+_AT_ONCE = Duration()
+_MOST_REPEATS = 40  # of a state that a restarted node waits through for its peers
 
 
 class GncNode(NodeWithEnds):
@@ -50,7 +51,6 @@ class GncNode(NodeWithEnds):
         self.refused = 0
         """Messages that were rejected since the node was configured."""
         self._called = False
-        self._matched_at: float | None = None
         self._asked = 0
         self._last_report = -_REPORT_PERIOD
 
@@ -78,21 +78,19 @@ class GncNode(NodeWithEnds):
     def is_unheard(self, step: int) -> bool:
         """Tell, of each repeat of a node's first state, whether the recorder may miss the answer.
 
-        A node restarted in mid-flight finds the recorder before the recorder finds it, by 50 ms on
-        an idle machine and by more than 0.25 s on a busy one, and what it publishes in between is
-        in no bag. The plant repeats the state of a stalled step every 0.25 s: the answer waits for
-        a repeat that is handled some time after everybody was matched. Repeats are not counted,
-        for a node that was held up handles several at once.
+        A node restarted in mid-flight finds the recorder before the recorder finds it, by seconds
+        on a busy machine, and what it publishes in between is in no bag. The plant repeats the
+        state of a stalled step every 0.25 s: the answer waits for a repeat that comes after the
+        recorder acknowledged this node's readiness. It has found the endpoints in the order of
+        their creation, and that of the readiness is the last one. In the end the node answers all
+        the same; the recorder then reports the loss.
         """
         is_lockstep = self.scenario.plant.mode == "lockstep"
         if step == 0 or not is_lockstep or RECORDER not in self.members.names:
             return False
-        now, matched_at = self.steady.now().nanoseconds / 1e9, self._matched_at
-        is_settled = matched_at is not None and now - matched_at >= _SETTLING
-        if self._called and matched_at is None:
-            self._matched_at = now
         self._asked += 1
-        return not is_settled and self._asked <= _MOST_REPEATS
+        is_heard = self._called and self._ready.wait_for_all_acked(_AT_ONCE)
+        return not is_heard and self._asked <= _MOST_REPEATS
 
     # Transitions.
 
@@ -135,14 +133,13 @@ class GncNode(NodeWithEnds):
         self.place = self.members.place(self.get_namespace(), self.ROLE)
         self.expect_peers()
         self.build(self.scenario)
-        if self.ROLE in READY.publishers:
-            self._ready = self.advertise(READY)
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self.open()
+        if self.ROLE in READY.publishers:
+            self._ready = self.advertise(READY)  # after all others: see `is_unheard`
 
     def _activate(self) -> None:
         self._called = False
-        self._matched_at = None
         self._asked = 0
         self.active = True
         try:

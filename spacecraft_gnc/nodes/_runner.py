@@ -32,11 +32,13 @@ from rclpy.utilities import remove_ros_args
 
 from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
 from spacecraft_gnc.launcher.environment import SUPERVISED, TELL_WHERE, prepare
+from spacecraft_gnc.nodes._deadline import end_within
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.ros.parameters import command_line, given_parameters
 
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
 _RCLError = rclpy_implementation.RCLError  # has no public name
+_FAREWELL = 2.0  # [s] wall: granted to DDS at the end of a process; less than a launcher grants
 _DRAIN_ROUNDS = 50  # looks at an empty queue before it counts as empty
 _AUTOSTART = "autostart"
 
@@ -70,6 +72,7 @@ def _run(node_types: Sequence[Callable[[], GncNode]], argv: list[str]) -> int:
     stop = _StopRequest()
     nodes: list[GncNode] = []
     executor: Executor | None = None
+    code = 1
     try:
         _check_arguments(argv)
         prepare(os.environ)
@@ -83,19 +86,25 @@ def _run(node_types: Sequence[Callable[[], GncNode]], argv: list[str]) -> int:
             _spin(executor, nodes, stop)
         finally:
             _end(executor, nodes)
-        return _exit_code(nodes)
+        code = _exit_code(nodes)
     except GncError as error:
         report(error)
-        return error.exit_code
+        code = error.exit_code
     except Exception:  # noqa: BLE001 - the last resort of a process
         traceback.print_exc()
-        return 1
     finally:
-        _leave(executor, nodes)
+        _leave(executor, nodes, code)
+    return code
 
 
-def _leave(executor: Executor | None, nodes: Sequence[GncNode]) -> None:
-    """Give back what the nodes had; the process ends anyway, and its exit code is settled."""
+def _leave(executor: Executor | None, nodes: Sequence[GncNode], code: int) -> None:
+    """Give back what the nodes had; the process ends anyway, and its exit code is settled.
+
+    It ends in time too: while a peer leaves, Fast DDS 2.14 can spin for ever where it destroys a
+    participant (eProsima/Fast-DDS#6513), and Python waits for it.
+    """
+    _flush()
+    end_within(_FAREWELL, code)
     if executor is not None:
         with suppress(Exception):
             executor.shutdown()  # else it holds the ends of all nodes
@@ -103,6 +112,12 @@ def _leave(executor: Executor | None, nodes: Sequence[GncNode]) -> None:
         with suppress(Exception):
             node.destroy_node()
     rclpy.try_shutdown()
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(Exception):  # a log on a full disk
+            stream.flush()
 
 
 def report(error: Exception) -> None:
@@ -125,9 +140,7 @@ class _Ending:
         atexit.register(self._leave)
 
     def _leave(self) -> None:
-        for stream in (sys.stdout, sys.stderr):
-            with suppress(Exception):  # a log on a full disk
-                stream.flush()
+        _flush()
         os._exit(self.code)
 
 

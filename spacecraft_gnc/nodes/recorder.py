@@ -34,6 +34,7 @@ from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.graph import (
     CLOCK,
     PLANT,
+    READY,
     RECORDED,
     RECORDER,
     RECORDER_STRIDE,
@@ -87,6 +88,7 @@ class RecorderNode(GncNode):
             if is_recorded_of(signal, agent, wanted):
                 self._record(agent, signal)
         self._foreign = ForeignTopics(self, foreign_topics(self.fleet), self._on_foreign)
+        self.listen(READY, _acknowledge)
         self._publish_recorded = self.advertise(RECORDED).publish
         self.every(FLUSH_PERIOD, self._flush)
 
@@ -249,6 +251,10 @@ class RecorderNode(GncNode):
             self._bag.flush()
         except RecordingError as error:
             self.fail(error)
+
+
+def _acknowledge(_: bytes) -> None:
+    """Take a node's readiness; DDS tells the node that it was heard."""
 
 
 def main() -> int:

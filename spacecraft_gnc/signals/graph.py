@@ -71,12 +71,15 @@ READY: Final = Signal(
     fields={"data": Field("string")},
     start=(),
     publishers=(CONTROLLER, GOVERNOR, RECORDER),
-    subscribers=(PLANT,),
+    subscribers=(PLANT, RECORDER),
     recorded=False,
     shared=True,
     qos=latched(100),
 )
-"""A node's full name, once it is active and all its endpoints are matched."""
+"""A node's full name, once it is active and all its endpoints are matched.
+
+The plant begins when all are ready. The recorder's acknowledgment tells a restarted node that it is
+heard."""
 RECORDED: Final = Signal(
     name="recorded_step",
     type="std_msgs/msg/UInt64",

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 from node_messages import encode_reference, encode_state
+from rclpy.duration import Duration
 from rclpy.serialization import serialize_message
 from spacecraft_gnc_msgs.msg import AttitudeReference, AttitudeState, TorqueCommand
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import Reference, State
-from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.nodes._node import _MOST_REPEATS, GncNode
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
@@ -23,13 +24,6 @@ from spacecraft_gnc.vehicles.rigid_body.signals import TORQUE
 
 ZERO = np.zeros(3)
 IDENTITY = np.eye(3)
-
-
-@pytest.fixture(autouse=True)
-def _settled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "spacecraft_gnc.nodes._node._SETTLING", 0.0
-    )  # else each test takes a second
 
 
 def started(node: GncNode) -> Any:
@@ -160,33 +154,50 @@ def test_the_controller_waits_for_its_tick(ros: Any) -> None:
     assert len(sent) == 1
 
 
-@pytest.mark.parametrize(("step", "asked"), [(0, 1), (4, 2)])
-def test_who_joins_in_mid_flight_answers_the_repeat(ros: Any, step: int, asked: int) -> None:
+class Readiness:
+    """Publisher of a node's readiness whose readers acknowledge it when they are told to."""
+
+    def __init__(self) -> None:
+        self.is_acknowledged = False
+
+    def wait_for_all_acked(self, within: Duration) -> bool:
+        assert within == Duration()
+        return self.is_acknowledged
+
+
+@pytest.mark.parametrize(("step", "waits"), [(0, False), (4, True)])
+def test_who_joins_in_mid_flight_answers_once_it_is_heard(ros: Any, step: int, waits: bool) -> None:
     """The first answers would be heard by all but the recorder, which finds a new node last."""
     controller = started(ros.add(ControllerNode()))
     governor = started(ros.add(GovernorNode()))
+    controller._ready, governor._ready = said = Readiness(), Readiness()
     torques: list[bytes] = []
     references: list[bytes] = []
     controller._outlets[TORQUE] = torques.append
     governor._outlets[REFERENCE] = references.append
     controller._due = step
     controller._on_reference(reference(step))
-    for number in range(1, asked + 1):
+    for _ in range(3):
         controller._on_state(state(step))
         governor._on_state(state(step))
-        assert len(torques) == len(references) == (number == asked)
+    if waits:
+        assert torques == references == []
+        for ready in said:
+            ready.is_acknowledged = True
+        controller._on_state(state(step))
+        governor._on_state(state(step))
+    assert len(torques) == len(references) == (1 if waits else 3)  # an answer to each repeat
 
 
 def test_who_is_not_matched_yet_is_not_heard(ros: Any) -> None:
     governor = started(ros.add(GovernorNode()))
     references: list[bytes] = []
     governor._outlets[REFERENCE] = references.append
-    governor._called = False
+    governor._called = False  # and nobody has anything to acknowledge
     for _ in range(3):
         governor._on_state(state(4))
-    governor._called = True
-    governor._on_state(state(4))  # matched only now: the others may not have found it yet
     assert references == []
+    governor._called = True
     governor._on_state(state(4))
     assert len(references) == 1
 
@@ -200,4 +211,4 @@ def test_who_is_never_matched_answers_in_the_end(ros: Any) -> None:
     while not references:
         governor._on_state(state(4))
         asked += 1
-    assert asked == 21
+    assert asked == _MOST_REPEATS + 1

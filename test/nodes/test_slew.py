@@ -16,6 +16,7 @@ from spacecraft_gnc_msgs.action import SlewTo
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import State
+from spacecraft_gnc.nodes._node import _MOST_REPEATS
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET
 
@@ -144,7 +145,7 @@ def test_every_target_taken_is_told_with_the_step_that_it_counts_from(flight: Fl
     assert flight.accepted == [(1, pytest.approx(0.5)), (3, pytest.approx(-0.2))]
     flight.governor.trigger_deactivate()
     flight.governor.trigger_activate()  # it is at the scenario's target again
-    for _ in range(22):  # it waits for a recorder, which never comes, to find it
+    for _ in range(_MOST_REPEATS + 2):  # it waits for a recorder, which never comes, to find it
         flight.fly(0.0)
         flight.step -= 1
     flight.ros.spin_until(lambda: len(flight.accepted) == 3)
