@@ -9,9 +9,11 @@ from setuptools import find_packages, setup
 NAME = "spacecraft_gnc"
 HERE = Path(__file__).parent
 MANIFEST = ET.parse(HERE / "package.xml").getroot()  # noqa: S314 - our own file
-CONFIG = [f"config/{path.name}" for path in sorted(HERE.glob("config/*"))]
+CONFIG = [f"config/{path.name}" for path in sorted(HERE.glob("config/*.*"))]
 URLS = {url.get("type"): url.text for url in MANIFEST.findall("url")}
+CAMPAIGNS = [f"config/campaigns/{path.name}" for path in sorted(HERE.glob("config/campaigns/*"))]
 EXTRAS = {
+    "campaign": ["distributed>=2024.8", "pyarrow>=15"],  # gnc campaign
     "export": ["pyarrow>=15"],  # gnc export --format parquet
     "view": ["foxglove-sdk>=0.16"],  # gnc view for the Foxglove app
     "ros": [
@@ -80,6 +82,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml", "requirements.lock"]),  # a bag keeps the lock file
         (f"share/{NAME}/config", CONFIG),
+        (f"share/{NAME}/config/campaigns", CAMPAIGNS),
     ],
     zip_safe=False,
     python_requires=">=3.10",

@@ -19,6 +19,7 @@ _NEEDS: Final = {
     "rclpy": _ROS,
     "rcl_interfaces": _ROS,
     "builtin_interfaces": _ROS,
+    "distributed": "gnc campaign needs dask.distributed: pip install 'spacecraft_gnc[campaign]'",
     "foxglove": "--foxglove needs foxglove-sdk: pip install 'spacecraft_gnc[view]', or leave "
     "--foxglove out for the page that needs nothing",
     "pyarrow": "--format parquet needs pyarrow: pip install 'spacecraft_gnc[export]', or choose "

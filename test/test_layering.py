@@ -64,8 +64,8 @@ def may_import(path: str, library: str) -> bool:
     if library in ("mcap", "rosbags", "mcap_ros2"):
         return layer in ("recording", "signals")
     if library in ("matplotlib", "plotly", "pyarrow", "foxglove"):
-        return layer in ("analysis", "drawing", "vehicles", "studies")
-    return library != "dask" or layer == "campaign"
+        return layer in ("analysis", "campaign", "drawing", "vehicles", "studies")
+    return library not in ("dask", "distributed") or layer == "campaign"
 
 
 def imports(path: Path, source: str | None = None) -> Iterator[tuple[int, str]]:
