@@ -21,6 +21,8 @@ from spacecraft_gnc.parameters.yaml_node import (
     compose_file,
     compose_text,
     convert,
+    items,
+    joined,
     raw,
     unreadable,
     written,
@@ -134,12 +136,12 @@ class _Reader:
     def parameters(self, node: yaml.MappingNode, section: str, prefix: str) -> dict[str, Entry]:
         """Return the parameters of a mapping by dotted name."""
         found: dict[str, Entry] = {}
-        for key, value in self._items(node, _joined(section, prefix)):
-            name = _joined(prefix, key)
+        for key, value in self._items(node, joined(section, prefix)):
+            name = joined(prefix, key)
             if isinstance(value, yaml.MappingNode) and not value.value:
                 need = "a value (ROS 2 stumbles over an empty mapping)"
                 remedy = "write one, or remove the key"
-                self._complain(value, _joined(section, name), "{}", need, remedy)
+                self._complain(value, joined(section, name), "{}", need, remedy)
                 continue
             if isinstance(value, yaml.MappingNode):
                 new = self.parameters(value, section, name)
@@ -147,7 +149,7 @@ class _Reader:
                 new = self._value(value, section, name)
             for repeated in found.keys() & new.keys():
                 what = "the key a second time, dotted and nested"
-                where = _joined(section, repeated)
+                where = joined(section, repeated)
                 self._complain(value, where, what, "each key once", "delete one of the two")
             found |= new
         return found
@@ -178,25 +180,12 @@ class _Reader:
             value = convert(node)
         except ValueError as error:
             requirement, _, remedy = str(error).partition("; ")
-            self._complain(node, _joined(section, name), raw(node), requirement, remedy)
+            self._complain(node, joined(section, name), raw(node), requirement, remedy)
             return {name: Entry(None, self.file, node.start_mark.line + 1)}
         return {name: Entry(value, self.file, node.start_mark.line + 1, written=written(node))}
 
     def _items(self, node: yaml.MappingNode, where: str) -> Iterator[tuple[str, yaml.Node]]:
-        """Yield the entries of a mapping; complain of what ROS 2 would drop or refuse."""
-        lines: dict[str, int] = {}
-        for key_node, value in node.value:
-            if not isinstance(key_node, yaml.ScalarNode) or not key_node.value:
-                self._complain(key_node, where, "a key that is no word", "words", "rename it")
-                continue
-            key = str(key_node.value)
-            name = _joined(where, key)
-            if key in lines:
-                what = f"the key a second time (first on line {lines[key]})"
-                self._complain(key_node, name, what, "each key once", "delete one of the two")
-            else:
-                lines[key] = key_node.start_mark.line + 1
-                yield key, value
+        return items(node, self.file, where, self.problems)
 
     def _complain(
         self, node: yaml.Node, key: str, value: str, requirement: str, remedy: str
@@ -212,7 +201,3 @@ def _holds_nodes(node: yaml.Node) -> TypeGuard[yaml.MappingNode]:
     names = [key.value for key, _ in node.value]
     mappings = all(isinstance(value, yaml.MappingNode) for _, value in node.value)
     return bool(names) and mappings and PARAMETERS_KEY not in names
-
-
-def _joined(prefix: str, key: str) -> str:
-    return f"{prefix}.{key}" if prefix and key else prefix or key

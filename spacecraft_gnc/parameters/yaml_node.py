@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -53,7 +54,7 @@ def compose_file(path: Path) -> yaml.Node | None:
     InvalidScenario
         If the file cannot be read, or is no YAML; with the line where that is known.
     """
-    return compose_text(_text(path), path)
+    return compose_text(text_of(path), path)
 
 
 def compose_text(text: str, source: Path) -> yaml.Node | None:
@@ -94,6 +95,32 @@ def convert(node: yaml.Node) -> Value:
     return [_scalar(item) for item in node.value]
 
 
+def items(
+    node: yaml.MappingNode, file: str, where: str, problems: list[Problem]
+) -> Iterator[tuple[str, yaml.Node]]:
+    """Yield the entries of a mapping; add a problem for each key that is no word, or repeated."""
+    lines: dict[str, int] = {}
+    for key_node, value in node.value:
+        line = key_node.start_mark.line + 1
+        if not isinstance(key_node, yaml.ScalarNode) or not key_node.value:
+            what = "a key that is no word"
+            problems.append(Problem(file, line, where, what, "words", "rename it"))
+            continue
+        key = str(key_node.value)
+        if key in lines:
+            what = f"the key a second time (first on line {lines[key]})"
+            need, remedy = "each key once", "delete one of the two"
+            problems.append(Problem(file, line, joined(where, key), what, need, remedy))
+        else:
+            lines[key] = line
+            yield key, value
+
+
+def joined(prefix: str, key: str) -> str:
+    """Return a dotted name; either part may be empty."""
+    return f"{prefix}.{key}" if prefix and key else prefix or key
+
+
 def raw(node: yaml.Node) -> str:
     """Return what stands in the file, in words."""
     if isinstance(node, yaml.ScalarNode):
@@ -118,7 +145,8 @@ def _scalar(node: yaml.ScalarNode) -> Scalar:
     return parse_plain(node.value)
 
 
-def _text(path: Path) -> str:
+def text_of(path: Path) -> str:
+    """Return the text of a file; raise InvalidScenario if it cannot be read, or is far too long."""
     try:
         data = path.read_bytes()
     except FileNotFoundError:

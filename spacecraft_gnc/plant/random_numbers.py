@@ -29,11 +29,11 @@ class SeedParameters(NodeParameters):
     )
 
 
-def standard_normals(seed: int, run: int, stream: str, step: int, count: int) -> Array:
-    """Return ``count`` independent standard normal numbers.
+def generator(seed: int, run: int, stream: str, step: int) -> np.random.Generator:
+    """Return the generator whose numbers depend on these four alone.
 
-    They depend on the arguments alone: there is no generator whose state somebody has to keep, and
-    a step can be drawn without those before it.
+    There is no state that somebody has to keep: a step can be drawn without those before it, and a
+    run without the other runs.
 
     Parameters
     ----------
@@ -44,22 +44,25 @@ def standard_normals(seed: int, run: int, stream: str, step: int, count: int) ->
         independent.
     step : int
         Control step, from 0.
-    count : int
-        How many.
-
-    Returns
-    -------
-    (count,) array
 
     Notes
     -----
     Philox-4x64-10 with the key (seed, run); the counter starts at (0, stream, step, 0) and a step
-    has 2^64 blocks of it to itself. The bits are those of Philox on every machine; the normal
-    numbers made of them are NumPy's, and may differ between its releases.
+    has 2^64 blocks of it to itself. The bits are those of Philox on every machine; the numbers
+    made of them are NumPy's, and may differ between its releases.
 
     Source: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011.
     """
     digest = hashlib.sha256(stream.encode()).digest()
     number = int.from_bytes(digest[:8], "big") & LARGEST_SEED
-    bits = np.random.Philox(key=[seed, run], counter=[0, number, step, 0])
-    return np.random.Generator(bits).standard_normal(count)
+    return np.random.Generator(np.random.Philox(key=[seed, run], counter=[0, number, step, 0]))
+
+
+def standard_normals(seed: int, run: int, stream: str, step: int, count: int) -> Array:
+    """Return ``count`` independent standard normal numbers; arguments as of `generator`."""
+    return generator(seed, run, stream, step).standard_normal(count)
+
+
+def uniforms(seed: int, run: int, stream: str, step: int, count: int) -> Array:
+    """Return, likewise, ``count`` independent numbers uniform in [0, 1), multiples of 2^-53."""
+    return generator(seed, run, stream, step).random(count)
