@@ -11,7 +11,7 @@ from numbers import Real
 from typing import Any, Final, TypeAlias
 
 from spacecraft_gnc.campaign.signs import Directions, flipped, merged, scaled
-from spacecraft_gnc.parameters.problems import shortened, shown
+from spacecraft_gnc.parameters.problems import shown
 from spacecraft_gnc.parameters.values import Refusal
 
 Result: TypeAlias = bool | float | None
@@ -49,7 +49,7 @@ class Expression:
     directions: Directions
     is_number: bool
     is_truth: bool
-    """Both for a metric, of which only a flight tells what it is."""
+    """Both for a metric, of which only a flight tells what it is: it has to be compared."""
     constant: float | None = None
     """Value of a number in which no metric stands."""
 
@@ -70,9 +70,9 @@ def read_expression(text: str) -> Expression:
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise Refusal(shown(text), _REQUIREMENT, "mend the expression") from None
     expression = _read(tree.body, 1)
-    if not expression.is_truth:
-        remedy = "compare it, such as '... < 0.1'"
-        raise Refusal(f"{shown(text)}, a number", _REQUIREMENT, remedy)
+    if expression.is_number:
+        remedy = "compare it, such as '... < 0.1' or '... == true'"
+        raise Refusal(f"{shown(text)}, without a comparison", _REQUIREMENT, remedy)
     if not expression.directions:
         raise Refusal(f"{shown(text)}, no metric in it", _REQUIREMENT, "name a metric")
     return expression
@@ -89,7 +89,7 @@ def _read(node: ast.expr, depth: int) -> Expression:
 
 
 def _refusal(node: ast.AST, remedy: str) -> Refusal:
-    return Refusal(shortened(f"'{_source(node)}'"), _REQUIREMENT, remedy)
+    return Refusal(shown(_source(node)), _REQUIREMENT, remedy)
 
 
 def _source(node: ast.AST) -> str:
@@ -212,8 +212,8 @@ def _numeric(node: ast.expr, depth: int) -> Expression:
 
 def _truth(node: ast.expr, depth: int) -> Expression:
     expression = _read(node, depth)
-    if not expression.is_truth:
-        raise _refusal(node, "write a comparison there")
+    if expression.is_number:
+        raise _refusal(node, "compare it, such as '... < 0.1' or '... == true'")
     return expression
 
 

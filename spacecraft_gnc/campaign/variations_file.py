@@ -100,19 +100,20 @@ def _varied(options: Options, scenario: Scenario) -> dict[str, Distribution | No
         need = f"lines 'NODE.PARAMETER: {_EXAMPLE}'"
         options.complain(_VARY, "nothing" if node is None else raw(node), need, "indent them")
         return {}
-    found = {}
-    for name, value in items(node, options.file, _VARY, options.problems):
-        found[name] = _distribution(options, scenario, name, value)
-    return found
+    nodes = dict(items(node, options.file, _VARY, options.problems))
+    return {name: _distribution(options, scenario, name, nodes) for name in nodes}
 
 
 def _distribution(
-    options: Options, scenario: Scenario, name: str, node: yaml.Node
+    options: Options, scenario: Scenario, name: str, nodes: Mapping[str, yaml.Node]
 ) -> Distribution | None:
+    node = nodes[name]
     place = options.file, node.start_mark.line + 1
-    target = target_of(scenario, name, place, options.problems)
+    target = target_of(scenario, name, place, options.problems, nodes)
     if not isinstance(node, yaml.MappingNode):
-        remedy = f"write {_EXAMPLE}"
+        is_value = isinstance(node, yaml.ScalarNode) and node.value
+        constant = f"{{distribution: constant, value: {node.value}}}"
+        remedy = f"write {constant if is_value else _EXAMPLE}"
         options.problems.append(Problem(*place, name, raw(node), "a distribution", remedy))
         return None
     if target is None:

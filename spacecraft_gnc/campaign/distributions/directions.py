@@ -182,24 +182,34 @@ def _angle_of(share: float) -> float:
 def read_direction(
     options: Options, target: Target, read: Callable[..., Distribution | None]
 ) -> Direction:
-    """Return directions times ``length``, ``around`` an axis up to ``max_angle_deg`` if given."""
-    if target.spec.kind is not Kind.DOUBLE_ARRAY or target.spec.length not in (3, -1):
-        need = f"a distribution of {target.spec.requirement}"
-        options.complain("distribution", "3 numbers", need, "choose another one")
-    axis = options.value("around", _AXIS)
-    angle = options.value("max_angle_deg", _ANGLE)
+    """Return directions times ``length``, ``around`` an axis up to ``max_angle_deg`` if given.
+
+    ``read`` reads the distribution of a length.
+    """
+    axis, angle = options.value("around", _AXIS), options.value("max_angle_deg", _ANGLE)
     if options.has("max_angle_deg") and not options.has("around"):
         options.complain("around", "nothing", "the axis of the cone of max_angle_deg", "add it")
-    node, length = options.node("length", "a number >= 0, or a distribution"), None
-    if isinstance(node, yaml.MappingNode):
-        name = f"{target.name}.length"
-        length = read(node, Target(name, _LENGTH, []), options.file, options.problems)
-    elif node is not None:
-        constant = options.converted("length", node, _LENGTH)
-        length = None if constant is None else Choice((constant,))
+    length = _length(options, target, read)
     if not options.is_valid or length is None:
         return Direction(_SPHERE, Choice(()))
     return Direction(Cone.about(np.array(axis), math.radians(angle)), length)
+
+
+def _length(
+    options: Options, target: Target, read: Callable[..., Distribution | None]
+) -> Distribution | None:
+    spec = target.spec
+    node = options.node("length", "a number >= 0, or a distribution")
+    if spec.kind is not Kind.DOUBLE_ARRAY or _count(target) != 3:
+        what, need = f"a direction for {target.name}", "a parameter that takes 3 numbers"
+        options.complain("distribution", what, need, "choose another distribution")
+    elif isinstance(node, yaml.MappingNode):
+        inner = Target(f"{target.name}.length", _LENGTH, [])
+        return read(node, inner, options.file, options.problems)
+    elif node is not None:
+        constant = options.converted("length", node, _LENGTH)
+        return None if constant is None else Choice((constant,))
+    return None
 
 
 def read_rotation(options: Options, target: Target) -> Rotation:
@@ -210,8 +220,7 @@ def read_rotation(options: Options, target: Target) -> Rotation:
 
 def _numbers_of_form(options: Options, target: Target) -> int:
     spec = target.spec
-    known = len(target.nominal) if isinstance(target.nominal, list) else 0
-    count = spec.length if spec.length > 0 else known
+    count = _count(target)
     is_one = spec.kind is Kind.DOUBLE_ARRAY and spec.matrix is MatrixRule.NONE and count in _FORMS
     if count == 3 and not target.is_plugin:  # three angles or another vector are no rotation
         is_one = is_one and target.name.endswith("rotation_vector")
@@ -220,6 +229,12 @@ def _numbers_of_form(options: Options, target: Target) -> int:
         remedy = "vary such a one, or choose another distribution"
         options.complain("distribution", f"a rotation for {target.name}", need, remedy)
     return count
+
+
+def _count(target: Target) -> int:
+    """Return how many numbers a list has that the parameter takes, 0 where that is not known."""
+    known = len(target.nominal) if isinstance(target.nominal, list) else 0
+    return target.spec.length if target.spec.length > 0 else known
 
 
 def _lengths(length: Distribution) -> list[float]:

@@ -32,7 +32,8 @@ class Options:
         self._line = node.start_mark.line + 1
         self._before = len(problems)
         self._nodes = dict(items(node, file, where, problems))
-        self._known: list[str] = []
+        self._known: dict[str, None] = {}
+        """In the order in which they were asked for."""
 
     @property
     def is_valid(self) -> bool:
@@ -41,7 +42,7 @@ class Options:
 
     def has(self, name: str) -> bool:
         """Tell whether an option is given."""
-        self._known.append(name)
+        self._known[name] = None
         return name in self._nodes
 
     def node(self, name: str, requirement: str) -> yaml.Node | None:
@@ -102,6 +103,9 @@ class Options:
         if not isinstance(node, yaml.SequenceNode):
             value = self.converted(name, node, _NUMBER)
             return [math.nan if value is None else float(value)] * count  # type: ignore[arg-type]
+        if len(node.value) != count:
+            self.complain(name, f"{len(node.value)} numbers", need, f"write {count}")
+            return [math.nan] * count
         spec = ParameterSpec(kind=Kind.DOUBLE_ARRAY, default=[], description="", shape=(count,))
         found = self.converted(name, node, spec)
         return [math.nan] * count if found is None else list(found)  # type: ignore[arg-type]
@@ -118,8 +122,9 @@ class Options:
         """Report the options that nobody asked for."""
         for name in self._nodes:
             if name not in self._known:
-                need = f"an option of {of}" if of else "an option"
-                self.complain(name, "an unknown option", need, suggestion(name, self._known))
+                known = list(self._known)
+                need = f"one of {', '.join(known)}" + (f" of {of}" if of else "")
+                self.complain(name, "an unknown key", need, suggestion(name, known))
 
     def complain(self, name: str, received: str, requirement: str, remedy: str) -> None:
         """Report a problem, at the line of an option where it is given."""
@@ -130,7 +135,12 @@ class Options:
     def shown(self, name: str) -> str:
         """Return an option as it stands there, in words."""
         node = self._nodes.get(name)
-        return "nothing" if node is None else shown(convert(node))
+        if node is None:
+            return "nothing"
+        try:
+            return shown(convert(node))
+        except ValueError:
+            return raw(node)
 
     def _add(self, line: int, name: str, received: str, requirement: str, remedy: str) -> None:
         key = joined(self.where, name)
