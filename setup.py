@@ -75,7 +75,8 @@ setup(
         NAME: ["py.typed"],
         f"{NAME}.analysis.live": ["page/*"],
         f"{NAME}.analysis.report": ["*.css", "*.html", "*.js"],
-        f"{NAME}.drawing": ["*.js"],
+        f"{NAME}.campaign.report": ["*.css", "*.html", "*.js"],
+        f"{NAME}.drawing": ["*.css", "*.js"],
         f"{NAME}.nodes": ["*.xml"],
     },
     data_files=[

@@ -62,8 +62,9 @@ def report(
     A bag of several spacecraft is shown as several runs, unless --namespace names one.
     """
     from spacecraft_gnc.analysis.agents import agents
-    from spacecraft_gnc.analysis.report import read_run, report_html, write_report
+    from spacecraft_gnc.analysis.report import read_run, report_html
     from spacecraft_gnc.analysis.run_names import run_names
+    from spacecraft_gnc.drawing.page import write_page
 
     require_writable(out, ".html")
     known = given_scenario(scenario, namespace)
@@ -88,7 +89,7 @@ def report(
             tell_unused(found.info, known)
             runs.append(found)
         progress(0, 1, "writing")
-        write_report(report_html(runs, title), out)
+        write_page(report_html(runs, title), out)
     _tell(runs, out, as_json=as_json, quiet=quiet)
 
 

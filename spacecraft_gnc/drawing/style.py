@@ -25,6 +25,11 @@ RUN_COLORS: Final = (*AXIS_COLORS, "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 """Runs beside each other, in this order."""
 SOURCE_COLORS: Final = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000", "#0072B2")
 """By number of `loop.Source`."""
+PASSED_COLOR, FAILED_COLOR = AXIS_COLORS[0], AXIS_COLORS[1]
+DENSITY_COLORS: Final = ("#E3EEF7", "#8FBFE0", "#3C86BE", "#08427A", "#041F3D")
+"""Few to many."""
+RATE_COLORS: Final = ("#A33C00", "#D55E00", "#F2C6A5", "#F1F1EE", "#9CC7E3", "#0072B2")
+"""Success rate 0 to 1."""
 ZONE_COLORS: Final = {"exclusion": "#C4457E", "inclusion": "#56B4E9"}
 INK: Final = "#222222"
 LIMIT_COLOR: Final = "#B0282E"

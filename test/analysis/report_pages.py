@@ -8,7 +8,8 @@ import numpy as np
 from analysis.flights import case1
 from recording.bags import flight_messages, record
 
-from spacecraft_gnc.analysis.report import read_run, report_html, write_report
+from spacecraft_gnc.analysis.report import read_run, report_html
+from spacecraft_gnc.drawing.page import write_page
 
 NASTY = "</script><b>&amp;\"'{{plotly}}"
 """In a name and in a scenario it must be shown as it is."""
@@ -55,5 +56,5 @@ def bag(folder, n=20, scenario=SCENARIO, lost=()):
 def page(target, paths, names, title=""):
     """Write the report of recordings to ``target`` and return it."""
     runs = [read_run(path, name) for path, name in zip(paths, names, strict=True)]
-    write_report(report_html(runs, title), target)
+    write_page(report_html(runs, title), target)
     return target

@@ -17,9 +17,9 @@ from analysis.report_pages import NASTY, SCENARIO, bag, flight, page
 from flown_bags import fly, sections
 
 from spacecraft_gnc.analysis.report import read_run, report_html
-from spacecraft_gnc.analysis.report.page import paired
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.drawing.chart import Chart
+from spacecraft_gnc.drawing.page import paired
 from spacecraft_gnc.drawing.sources import stretches
 from spacecraft_gnc.drawing.table import difference, rounded
 from spacecraft_gnc.errors import ParameterError
