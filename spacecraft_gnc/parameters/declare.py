@@ -6,9 +6,9 @@ Nested maps are flattened with dots as ROS 2 does: ``weights.stage_attitude``,
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import starmap
 from typing import Any, Final, NamedTuple, TypeAlias
 
@@ -88,14 +88,12 @@ class Schema:
         element, _, leaf = rest.partition(".")
         if not (element and leaf) or "." in leaf:
             return None
-        known = field in dict(self.named_groups(section))
+        known = field in _named_groups(self.sections[section])
         return Element(field, element) if known else None
 
-    def named_groups(self, section: str) -> Iterator[tuple[str, Group]]:
-        """Yield (field, group) of the groups of which a section has one for each name."""
-        for field, group in groups_of(self.sections[section]):
-            if group.names:
-                yield field, group
+    def named_groups(self, section: str) -> Iterable[tuple[str, Group]]:
+        """Return (field, group) of the groups of which a section has one for each name."""
+        return _named_groups(self.sections[section]).items()
 
     def is_node(self, section: str) -> bool:
         """Tell whether the section belongs to a ROS 2 node."""
@@ -109,6 +107,12 @@ class Schema:
     def _elements(self, section: str, name: str) -> _Elements:
         element = self.element_of(section, name)
         return () if element is None else ((element.field, (element.name,)),)
+
+
+@cache
+def _named_groups(parameters: type) -> Mapping[str, Group]:
+    """Return the groups of which a section class has one for each name, by field."""
+    return {field: group for field, group in groups_of(parameters) if group.names}
 
 
 @lru_cache(maxsize=256)

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum
+from functools import cache
 from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
@@ -106,12 +107,12 @@ class ParameterSpec:
     @property
     def length(self) -> int:
         """Numbers in the flat array; -1 where any number is allowed."""
-        return -1 if -1 in self.shape else int(np.prod(self.shape))
+        return -1 if -1 in self.shape else math.prod(self.shape)
 
     @property
     def rows(self) -> int:
         """Number that the length of the flat array is a multiple of."""
-        return abs(int(np.prod(self.shape))) if self.length == -1 else 1
+        return abs(math.prod(self.shape)) if self.length == -1 else 1
 
     @property
     def range_text(self) -> str:
@@ -183,11 +184,10 @@ def parameter(kind: Kind, default: Value, description: str, **options: Any) -> A
     return dataclasses.field(default_factory=_default_factory(spec), metadata={_METADATA_KEY: spec})
 
 
-def specs_of(section: type) -> Iterator[tuple[str, ParameterSpec]]:
-    """Yield (name, spec) of the parameters that a section class declares itself."""
-    for field in dataclasses.fields(section):
-        if _METADATA_KEY in field.metadata:
-            yield field.name, field.metadata[_METADATA_KEY]
+@cache
+def specs_of(section: type) -> tuple[tuple[str, ParameterSpec], ...]:
+    """Return (name, spec) of the parameters that a section class declares itself."""
+    return _described(section, _METADATA_KEY)
 
 
 class Group(NamedTuple):
@@ -211,13 +211,18 @@ def named_groups(parameters: type, names: str, noun: str) -> Any:
     return dataclasses.field(default=(), metadata={_GROUP_KEY: Group(parameters, names, noun)})
 
 
-def groups_of(section: type) -> Iterator[tuple[str, Group]]:
-    """Yield (field, group) of the groups of a section class."""
-    for field in dataclasses.fields(section):
-        if _GROUP_KEY in field.metadata:
-            yield field.name, field.metadata[_GROUP_KEY]
+@cache
+def groups_of(section: type) -> tuple[tuple[str, Group], ...]:
+    """Return (field, group) of the groups of a section class."""
+    return _described(section, _GROUP_KEY)
 
 
+def _described(section: type, key: str) -> tuple[tuple[str, Any], ...]:
+    fields = dataclasses.fields(section)
+    return tuple((field.name, field.metadata[key]) for field in fields if key in field.metadata)
+
+
+@cache
 def names_of(section: type) -> frozenset[str]:
     """Return the dotted names of a section class, without those of named groups."""
     nested = {

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import Final
 
 from spacecraft_gnc.parameters.checked import Checked
@@ -14,7 +15,8 @@ _CONTROLLER: Final = "nmpc_controller"
 _VARIANT: Final = "variant"
 
 
-def readers(laws: Iterable[Method] | Iterable[GovernorLaw]) -> dict[str, tuple[str, ...]]:
+@lru_cache(maxsize=64)
+def readers(laws: tuple[Method, ...] | tuple[GovernorLaw, ...]) -> Mapping[str, tuple[str, ...]]:
     """Return the methods or laws that read a parameter, where not all of them do."""
     found: dict[str, tuple[str, ...]] = {}
     for law in laws:

@@ -19,6 +19,7 @@ from __future__ import annotations
 import pkgutil
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
+from functools import cache
 from importlib import metadata
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
@@ -48,12 +49,18 @@ _Law = TypeVar("_Law", Method, GovernorLaw)
 def own_names(group: str, vehicle: Vehicle | None = None) -> tuple[str, ...]:
     """Return the names of a group that are ours: vehicles, or a vehicle's own methods or laws."""
     if group == VEHICLES:
-        rooms = (room.name for room in pkgutil.iter_modules(vehicles.__path__) if room.ispkg)
-        return tuple(name for name in rooms if find_spec(_descriptor(name)))
+        return _rooms()
     if vehicle is None:
         return ()
     laws = vehicle.methods if group == CONTROLLERS else vehicle.governors
     return tuple(law.name for law in laws)
+
+
+@cache
+def _rooms() -> tuple[str, ...]:
+    """Return the folders that hold a vehicle."""
+    rooms = (room.name for room in pkgutil.iter_modules(vehicles.__path__) if room.ispkg)
+    return tuple(name for name in rooms if find_spec(_descriptor(name)))
 
 
 def _descriptor(vehicle: str) -> str:
