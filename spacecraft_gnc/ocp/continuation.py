@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Final, Protocol
 
 import numpy as np
@@ -267,6 +268,8 @@ class AutomaticContinuation:
     The last is left out over more than 60 steps, where it takes seconds. Where all fail, the
     penalties are softened, if there are any, and then the state is moved.
 
+    Its dozens of problems are made when the first of them is needed, as most flights need none.
+
     Parameters
     ----------
     ocp : AttitudeOcp
@@ -276,14 +279,20 @@ class AutomaticContinuation:
     patience: float = PATIENCE
 
     def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        self._starts: tuple[Continuation, ...] = (
-            HorizonContinuation(ocp, options),
-            EffortContinuation(ocp, options),
-        )
-        if ocp.horizon <= LONG:
-            self._starts += (OpenContinuation(ocp, options),)
-        self._softer = (PenaltyContinuation(ocp, options),) if _is_penalized(ocp) else ()
-        self._nearer = StateContinuation(ocp, options)
+        self._problem = require_kind("ocp", ocp, AttitudeOcp), options
+
+    @cached_property
+    def _starts(self) -> tuple[Continuation, ...]:
+        ocp, options = self._problem
+        starts = HorizonContinuation(ocp, options), EffortContinuation(ocp, options)
+        return starts if ocp.horizon > LONG else (*starts, OpenContinuation(ocp, options))
+
+    @cached_property
+    def _further(self) -> tuple[Continuation, ...]:
+        """What is tried where all starts fail."""
+        ocp, options = self._problem
+        softer = (PenaltyContinuation(ocp, options),) if _is_penalized(ocp) else ()
+        return *softer, StateContinuation(ocp, options)
 
     def solve(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
@@ -291,7 +300,9 @@ class AutomaticContinuation:
         """Return the cheapest solution found; its ``iterations`` count all steps made."""
         problem = (attitude, momentum, reference)
         found = cheapest(way.solve(*problem) for way in self._starts)
-        for way in (*self._softer, self._nearer):
+        if found.converged:
+            return found
+        for way in self._further:
             if not found.converged:
                 found = cheapest((found, way.solve(*problem)))
         return found

@@ -6,6 +6,7 @@ optimal -> neighboring extremal -> shifted plan -> saturated feedback -> zero to
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import numpy as np
 
@@ -35,10 +36,15 @@ class FallbackLadder:
 
     def __init__(self, ocp: AttitudeOcp) -> None:
         self._ocp = ocp
-        self._feedback = AttitudeFeedback.critically_damped(
+        self.reset()
+
+    @cached_property
+    def _feedback(self) -> AttitudeFeedback:
+        """Made when it is needed, which is hardly ever."""
+        ocp = self._ocp
+        return AttitudeFeedback.critically_damped(
             ocp.body.inertia, ocp.time_step, ocp.max_torque, float(ocp.plant_step or 0.0)
         )
-        self.reset()
 
     def reset(self) -> None:
         """Forget the plan."""
