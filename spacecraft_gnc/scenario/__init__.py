@@ -4,12 +4,14 @@ from spacecraft_gnc.parameters.problems import InvalidScenario, Problem
 from spacecraft_gnc.scenario.fleet import Fleet, load_fleet
 from spacecraft_gnc.scenario.load import from_sections, load, read_sections, revise
 from spacecraft_gnc.scenario.scenario import Scenario
+from spacecraft_gnc.scenario.template import Template
 
 __all__ = [
     "Fleet",
     "InvalidScenario",
     "Problem",
     "Scenario",
+    "Template",
     "from_sections",
     "load",
     "load_fleet",

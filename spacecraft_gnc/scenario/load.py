@@ -65,10 +65,18 @@ def load_one(
     namespace: str | None = None,
 ) -> Scenario:
     """Check what a file says of one vehicle, as `load`; ``problems``: those of reading it."""
-    where = namespace_of(sections, file) if namespace is None else namespace
-    nodes, agent = nodes_in(sections, where), where.strip("/")
+    nodes, agent, warnings = nodes_of_one(sections, file, namespace)
     laid_over = apply(overrides, problems, [agent])[agent]
-    return load_nodes(sections, nodes, file, problems, laid_over, _warnings(sections, nodes, file))
+    return load_nodes(sections, nodes, file, problems, laid_over, warnings)
+
+
+def nodes_of_one(
+    sections: Sections, file: str, namespace: str | None = None
+) -> tuple[Mapping[str, str], str, Sequence[str]]:
+    """Return the nodes of one vehicle by full name, its agent, and what a file says in vain."""
+    where = namespace_of(sections, file) if namespace is None else namespace
+    nodes = nodes_in(sections, where)
+    return nodes, where.strip("/"), _warnings(sections, nodes, file)
 
 
 def load_nodes(
@@ -86,7 +94,7 @@ def load_nodes(
         vehicle = vehicle_given(plant, file)
     given = given_to(sections, nodes, problems, vehicle)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
-    _lay_over(given, laid_over)
+    lay_over(given, laid_over)
     warnings = [*warnings, *_leave_out_unread(vehicle, given, file)]
     return _scenario(vehicle, given, file, problems, warnings)
 
@@ -197,13 +205,14 @@ def revise(
         unread = tuple(unread_by(scenario.vehicle, str(chosen.value), changed))
     for name in unread:
         del given[_CONTROLLER][name]
-    _lay_over(given, laid_over)
+    lay_over(given, laid_over)
     vehicle = vehicle_given(given.get("plant", {}), scenario.path)
     revised = _scenario(vehicle, given, scenario.path, problems, stated=scenario.defaults)
     return revised, unread
 
 
-def _lay_over(given: Given, entries: Given) -> None:
+def lay_over(given: Given, entries: Given) -> None:
+    """Have values replace those of the same name."""
     for section, values in entries.items():
         given.setdefault(section, {}).update(values)
 
