@@ -23,8 +23,11 @@ from spacecraft_gnc.governors.attitude import AttitudeGovernor
 from spacecraft_gnc.governors.controller_loop import ShootingLoopPredictor
 from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
+from spacecraft_gnc.governors.pass_through import PassThroughGovernor
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
+from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
+from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.ocp import terminal_level
 from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
@@ -83,6 +86,10 @@ predictor = ShootingLoopPredictor(
 o = predictor.predict(State(0, R.T, Pi), np.eye(3))
 assert o.constraint == "convergence" and o.violation_step == 8
 found |= {"loop_margin": o.margin, "loop_radius": predictor.settled.radius}
+plant = RigidBodyPlant(RigidBody(J, 0.2), R.T, Pi, 5, 2)
+o = ClosedLoop(plant, loop, PassThroughGovernor(np.eye(3))).run(timed=False)
+assert np.ptp(o.solve_time) == 0.0  # flown at once
+found |= {"at_once_torques": o.torque, "at_once_attitude": o.final_attitude}
 tail.SAMPLES, tail.FLIGHTS = 64, 3  # interpreted, thousands would take minutes
 law = AttitudeFeedback(0.2 * J, 0.4, J)
 ahead = FeedbackPredictor(law, 0.2, 2, ReferenceSet((zone,), 0.01), max_torque=0.02)

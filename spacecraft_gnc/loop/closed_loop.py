@@ -10,10 +10,11 @@ from spacecraft_gnc.arguments import require_members
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.flight import End, Flight, Step
 from spacecraft_gnc.loop.flight_log import FlightLog
-from spacecraft_gnc.loop.protocols import Controller, Governor, Plant
+from spacecraft_gnc.loop.protocols import Controller, Governor, Plant, Stretch
 
 _OF_A_CORE: Final = ("warm_up", "reset")
 _OF_A_PLANT: Final = ("period", "n_steps", "flight", "state", *_OF_A_CORE, "step")
+_MOST_AT_ONCE: Final = 1000  # steps in compiled code, which no signal interrupts
 Progress = Callable[[int, int], None]
 """Called with (step, n_steps) after every step."""
 
@@ -53,13 +54,17 @@ class ClosedLoop:
         self.controller = controller
         self.governor = governor
 
-    def run(self, progress: Progress | None = None) -> Flight:
+    def run(self, progress: Progress | None = None, *, timed: bool = True) -> Flight:
         """Fly the whole scenario from its initial state.
 
         Parameters
         ----------
         progress : callable, optional
-            Called with (step, n_steps) after every step.
+            Called with (step, n_steps) after every step, or after all that are flown at once.
+        timed : bool
+            Whether each step is timed by itself. Where it is not, plants that can
+            (`loop.protocols.Stretch`) fly many steps at once: the flight is the same, bit for bit,
+            but for its ``solve_time``, which is then the mean wall time of these steps.
 
         Returns
         -------
@@ -71,21 +76,36 @@ class ClosedLoop:
             core.reset()
         plant, controller, governor = self.plant, self.controller, self.governor
         log = FlightLog(plant.flight, plant.n_steps, plant.period)
-        state, reference = plant.state, None
+        stretch = None if timed else self._stretch()
+        state, reference, k = plant.state, None, 0
         step = Step(state, None, None, None)  # one for all, since making it takes time
-        for k in range(plant.n_steps):
+        while k < plant.n_steps:
             step.state = state
             step.decision = decision = governor.decide(state)
-            reference = decision.reference
-            step.command = command = controller.command(state, reference)
-            step.target = governor.target
-            log.add(k, step)
-            state = plant.step(command.control)
-            log.add_outcome(k, plant)
+            reference, flown = decision.reference, None
+            if stretch is not None:
+                flown = stretch.fly(state, reference, min(plant.n_steps - k, _MOST_AT_ONCE))
+            if flown is None:
+                step.command = command = controller.command(state, reference)
+                step.target = governor.target
+                log.add(k, step)
+                state = plant.step(command.control)
+                log.add_outcome(k, plant)
+                k += 1
+            else:
+                step.command, step.target = flown.command, governor.target
+                log.hold(k, step, plant, flown.columns)
+                state = plant.state
+                k += flown.n_steps
             if progress is not None:
-                progress(k + 1, self.plant.n_steps)
+                progress(k, plant.n_steps)
         if reference is None:
             raise ParameterError("plant.n_steps: received 0; required at least 1 control step")
         if getattr(self.governor, "moves", False):
             reference = self.governor.decide(state).reference
         return log.finish(End(state, reference))
+
+    def _stretch(self) -> Stretch | None:
+        """Return what flies many steps of this loop at once; None: nothing does."""
+        make = getattr(self.plant, "stretch", None)
+        return None if make is None else make(self.controller, self.governor, _MOST_AT_ONCE)

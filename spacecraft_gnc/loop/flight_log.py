@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from operator import attrgetter
 from typing import Any, Generic, NamedTuple, TypeVar, cast
@@ -35,6 +35,24 @@ class FlightLog(Generic[_Kind]):
         targets = {name: rows.target for name, rows in self._rows.items()}
         self.add: Callable[[int, Step], None] = self._plan.of_start(targets)
         self.add_outcome: Callable[[int, Any], None] = self._plan.of_outcome(targets)
+
+    def hold(self, first: int, step: Step, plant: Any, varying: Mapping[str, NDArray[Any]]) -> None:
+        """Store control steps from ``first`` on that were flown at once.
+
+        Parameters
+        ----------
+        first
+            Number of the first.
+        step, plant
+            As for `add` and `add_outcome`: what holds for all of them.
+        varying
+            Columns of which each step has its own value, by name; a row for each step.
+        """
+        steps = slice(first, first + len(next(iter(varying.values()))))
+        self._plan.of_start(self._rows)(steps, step)
+        self._plan.of_outcome(self._rows)(steps, plant)
+        for name, values in varying.items():
+            self._rows[name][steps] = values
 
     def finish(self, end: End) -> _Kind:
         """Close the record with what is known at the end of the last step."""
@@ -120,7 +138,7 @@ class _Rows:
         is_number = self.array.ndim == 1 and self.array.dtype == np.float64
         return memoryview(self.array.data) if is_number else self.array
 
-    def __setitem__(self, k: int, value: Any) -> None:
+    def __setitem__(self, k: int | slice, value: Any) -> None:
         if self._is_open:
             self.array, self._is_open = self._made(np.shape(value)), False
         self.array[k] = value

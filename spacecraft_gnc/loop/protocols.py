@@ -7,8 +7,10 @@ number of the control step that it starts.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
+
+from numpy.typing import NDArray
 
 from spacecraft_gnc.status import Source
 from spacecraft_gnc.types import GovernorDecision, Reference, State
@@ -20,12 +22,14 @@ if TYPE_CHECKING:  # a scenario is checked without them
 __all__ = [
     "Command",
     "Controller",
+    "Flown",
     "Governor",
     "GovernorDecision",
     "Plant",
     "Reference",
     "Source",
     "State",
+    "Stretch",
 ]
 S_co = TypeVar("S_co", covariant=True)
 S_contra = TypeVar("S_contra", contravariant=True)
@@ -54,8 +58,33 @@ class Command(NamedTuple):
         return None if self.report is None else self.report.status
 
 
+class Flown(NamedTuple):
+    """Control steps that were flown at once."""
+
+    n_steps: int
+    command: Command
+    """Of the last one; its source and status are those of all."""
+    columns: Mapping[str, NDArray[Any]]
+    """Columns of the flight in which they differ, by name, a row for each step."""
+
+
+class Stretch(Protocol):
+    """Many control steps of a plant, its controller and its governor at once, in compiled code."""
+
+    def fly(self, state: Any, reference: Any, most: int) -> Flown | None:
+        """Fly up to ``most`` steps under a constant reference; None: the first one needs Python.
+
+        Plant and controller are left as single steps would have left them.
+        """
+
+
 class Plant(Protocol[S_co, U_contra]):
-    """A simulated vehicle, advanced one control step at a time."""
+    """A simulated vehicle, advanced one control step at a time.
+
+    A class may also have ``stretch(controller, governor, most)``: the `Stretch` that flies up to
+    ``most`` steps of that loop at once, with the numbers of single steps; None where nothing does,
+    as where the governor's decision depends on the state.
+    """
 
     period: float
     """Control period [s]."""

@@ -25,6 +25,7 @@ multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherza
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from threading import Lock
 from time import perf_counter
@@ -66,6 +67,7 @@ from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,
+    Matrix3,
     Reference,
     as_matrix3,
     as_rotation,
@@ -260,23 +262,45 @@ class ShootingSolver:
             if warm_start is not None:
                 guess = self._warm  # a copy, for the same reason
                 guess[:] = self.ocp.checked_warm_start(warm_start)
-            code, steps, residual, cost, curvature, largest, error, travel = solve(
-                self._inputs, guess, R, Pi, u, lam, margins, *self.work, *self.settings
-            )
+            numbers = solve(self._inputs, guess, R, Pi, u, lam, margins, *self.work, *self.settings)
             target = self._target.copy()
+        code = numbers[0]
         if code in (BAD_STATE, BAD_REFERENCE, BAD_GUESS):
             self._refuse(code, attitude, momentum, reference)
+        solution = self.solution_of(
+            (R, Pi, u, lam, margins), numbers, target, perf_counter() - started
+        )
+        return solution if motion is None else solution._replace(feedforward=motion)
+
+    def solution_of(
+        self, plan: Sequence[Array], numbers: Sequence[float], target: Matrix3, solve_time: float
+    ) -> Solution:
+        """Return the solution of a solve to a reference at rest that the kernel made.
+
+        Parameters
+        ----------
+        plan
+            Attitudes, momenta, torques, multipliers and zone margins that it filled.
+        numbers
+            What it returned.
+        target
+            (3, 3) reference.
+        solve_time
+            Wall time [s].
+        """
+        R, Pi, u, lam, margins = plan
+        code, steps, residual, cost, curvature, largest, error, travel = numbers
         limit = self.ocp.max_torque
-        solution = Solution(
+        return Solution(
             u,
             R,
             Pi,
             lam,
             cost,
-            STATUSES[code],
-            steps,
+            STATUSES[int(code)],
+            int(steps),
             residual,
-            perf_counter() - started,
+            solve_time,
             limit - largest**0.5 if limit > 0.0 else math.inf,
             target,
             self.ocp,
@@ -286,7 +310,6 @@ class ShootingSolver:
             error,
             travel,
         )
-        return solution if motion is None else solution._replace(feedforward=motion)
 
     def solve_batch(
         self,

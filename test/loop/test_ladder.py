@@ -47,7 +47,7 @@ def test_the_plan_is_corrected_for_where_the_body_is_until_it_ends(build):
 def test_on_its_plan_the_correction_is_the_plan(build, monkeypatch):
     controller = build().controller
     plan = controller.command(START, TARGET).report.solution
-    monkeypatch.setattr(controller, "_solve", unsolved)
+    monkeypatch.setattr(controller, "solve", unsolved)
     for ahead in range(1, 5):
         state = State(ahead, plan.attitudes[ahead], plan.momenta[ahead])
         command = controller.command(state, TARGET)
@@ -60,7 +60,7 @@ def test_near_its_plan_the_correction_is_nearly_optimal(build, monkeypatch):
     controller, fresh = build().controller, build().controller
     calm = State(0, lie.exp(np.array([0.02, 0.04, 0.03])), np.zeros(3))
     plan = controller.command(calm, TARGET).report.solution
-    monkeypatch.setattr(controller, "_solve", unsolved)
+    monkeypatch.setattr(controller, "solve", unsolved)
     kick = np.array([1e-4, -2e-4, 1e-4])  # [N m s]: the torque answers with some 1e-5
     state = State(1, plan.attitudes[1], plan.momenta[1] + kick)
     corrected = controller.command(state, TARGET).control
@@ -77,7 +77,7 @@ def test_near_its_plan_the_correction_is_nearly_optimal(build, monkeypatch):
 def test_the_plan_is_shifted_where_no_correction_holds(build, monkeypatch, why):
     controller = build().controller
     plan = controller.command(START, TARGET).report.solution
-    monkeypatch.setattr(controller, "_solve", unsolved)
+    monkeypatch.setattr(controller, "solve", unsolved)
     target = Reference(lie.exp(np.array([0.0, 0.0, 0.1])), np.zeros(3), np.zeros(3))
     for ahead in range(1, 5):
         attitude = plan.attitudes[ahead]
@@ -92,7 +92,7 @@ def test_the_plan_is_shifted_where_no_correction_holds(build, monkeypatch, why):
 def test_a_plan_is_no_use_for_a_step_before_it_or_after_a_reset(build, monkeypatch):
     controller = build().controller
     controller.command(State(7, *START[1:]), TARGET)
-    monkeypatch.setattr(controller, "_solve", unsolved)
+    monkeypatch.setattr(controller, "solve", unsolved)
     assert controller.command(State(7, *START[1:]), TARGET).source is Source.FEEDBACK
     assert controller.command(State(6, *START[1:]), TARGET).source is Source.FEEDBACK
     assert controller.command(State(8, *START[1:]), TARGET).source < Source.FEEDBACK

@@ -16,7 +16,8 @@ GOVERNED = ("kalabic2014_governor", "governed_nmpc")
 
 def signatures() -> dict[str, int]:
     """Return how many signatures of each of our kernels are loaded."""
-    kernels = [item for item in gc.get_objects() if isinstance(item, Dispatcher)]
+    # not isinstance, which asks what a dead weak reference stands for
+    kernels = [item for item in gc.get_objects() if issubclass(type(item), Dispatcher)]
     return {
         f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}": len(kernel.signatures)
         for kernel in kernels

@@ -10,7 +10,7 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.loop.protocols import Source, Stretch
 from spacecraft_gnc.plant.disturbances.registry import build
 from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 from spacecraft_gnc.signals import Signal
@@ -174,6 +174,18 @@ class RigidBodyPlant:
         """Load the integrator's kernels."""
         zero = np.zeros(3)
         self.body.step(np.eye(3), zero, zero, self.substeps)
+
+    def stretch(self, controller: Any, governor: Any, most: int) -> Stretch | None:
+        """Return what flies up to ``most`` steps at once, undisturbed; see `loop.protocols`."""
+        if self._is_disturbed or type(self) is not RigidBodyPlant:
+            return None
+        from spacecraft_gnc.vehicles.rigid_body.stretch import stretch_of  # loads the solvers
+
+        return stretch_of(self, controller, governor, most)
+
+    def take_over(self, state: State) -> None:
+        """Go on from a state to which the body was advanced elsewhere, undisturbed."""
+        self._state, self._external = state, _NO_TORQUE
 
     def reset(self) -> None:
         """Return to the initial state."""

@@ -7,6 +7,8 @@ from typing import Any, Final
 
 import numpy as np
 
+from spacecraft_gnc.governors.pass_through import PassThroughGovernor
+from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.vehicles.rigid_body.audit import motion
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
@@ -44,12 +46,15 @@ def flights() -> Iterator[dict[str, Any]]:
 
 
 def compile_further(scenario: Scenario) -> None:
-    """Compile what no flight needs: batches of solves, and the audit."""
+    """Compile what no flight needs: batches of solves, the audit, and steps flown at once."""
     ShootingSolver(problem_of(scenario)).solve_batch(np.eye(3)[None], np.zeros((1, 3)))
     certifier = Certifier.from_scenario(scenario)
     if certifier is not None:
         certifier.warm_up()
-    motion.warm_up(RigidBodyPlant.from_scenario(scenario))
+    plant = RigidBodyPlant.from_scenario(scenario)
+    motion.warm_up(plant)
+    governor = PassThroughGovernor(np.eye(3))
+    ClosedLoop(plant, scenario.build_controller(), governor).run(timed=False)
 
 
 def _flight(controller: dict[str, Any], governor: dict[str, Any] | None = None) -> dict[str, Any]:

@@ -100,6 +100,21 @@ class SolverController:
         self._ladder = FallbackLadder(solver.ocp)
         self._warm_start: Array | None = None
 
+    @property
+    def warm_start(self) -> Array | None:
+        """(N, 6) multipliers from which the next solve starts; None: from zero."""
+        return self._warm_start
+
+    @property
+    def patience(self) -> float:
+        """Newton steps of a converged solve beyond which a continuation is tried."""
+        return math.inf if self._continuation is None else float(self._continuation.patience)
+
+    @property
+    def rest(self) -> tuple[float, float, float, float]:
+        """`StandstillMonitor.rest`; without a monitor one that no loop comes to."""
+        return (math.inf, 0.0, 0.0, 0.0) if self._monitor is None else self._monitor.rest
+
     def warm_up(self) -> None:
         """Compile or load the kernels, those of the ladder and the standstill included."""
         self.solver.warm_up()
@@ -113,7 +128,11 @@ class SolverController:
 
     def command(self, state: State, reference: Reference) -> Command:
         """Solve from ``state`` and return the torque of the highest rung of the ladder."""
-        solution = self._solve(state, reference)
+        return self.conclude(state, reference, self.solve(state, reference, self._warm_start))
+
+    def conclude(self, state: State, reference: Reference, solution: Solution | None) -> Command:
+        """Return the command of a step with that solution, and keep what the next step needs."""
+        self._warm_start = None if solution is None else solution.warm_start
         command = self._ladder.command(state, reference, solution)
         if self._monitor is None or solution is None or command.source is not Source.OPTIMAL:
             return command
@@ -122,11 +141,6 @@ class SolverController:
             return command
         report = SolveReport(solution, finding.standstill)
         return Command(finding.torque, command.source, report)
-
-    def _solve(self, state: State, reference: Reference) -> Solution | None:
-        solution = self.solve(state, reference, self._warm_start)
-        self._warm_start = None if solution is None else solution.warm_start
-        return solution
 
     def solve(
         self, state: State, reference: Reference, warm_start: Array | None

@@ -28,6 +28,7 @@ from spacecraft_gnc.types import Array, Vector3
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import Standstill
 
 QUIET = 1e-3  # share of the error that motion and torque would cover in one horizon
+SLOW = 0.05  # share of the error that the plan turns, below which motion may have stopped
 NEAR = 0.25  # share of the error within which the fixed point lies
 MARGINAL = 1e-6  # radii up to 1 + this are stable: an idle axis has 1 twice, known to 1e-8 only
 NOISE = 1e-6  # amplitude, in `state_units`, below which that of the unstable mode is rounding
@@ -67,13 +68,23 @@ class StandstillMonitor:
         self._units = state_units(np.asarray(ocp.inertia), ocp.time_step)
         self._horizon_time = ocp.horizon * ocp.time_step
 
+    @property
+    def rest(self) -> tuple[float, float, float, float]:
+        """What `may_stand` compares with.
+
+        Tolerance [rad], share of the error that a plan turns, horizon [s], and the momentum that
+        counts as rest, for an error of one radian [N m s^2].
+        """
+        share = QUIET * self._smallest_inertia
+        return self._tolerance, SLOW, self._horizon_time, share
+
     def examine(self, solution: Solution) -> Finding | None:
         """Return what is to be said of a converged solution; None in ordinary flight.
 
         None, too, where the reference moves: there is no rest to come to.
         """
         error = solution.attitude_error
-        if error <= self._tolerance or solution.travel > 0.05 * error:  # before any norm
+        if error <= self._tolerance or solution.travel > SLOW * error:  # before any norm
             return None
         momentum = math.sqrt(float(solution.momenta[0] @ solution.momenta[0]))
         torque = math.sqrt(float(solution.torques[0] @ solution.torques[0]))
@@ -93,9 +104,9 @@ class StandstillMonitor:
         momentum, torque : float or (n,) array
             Norms at the start of the horizon [N m s], [N m].
         """
-        span, share = self._horizon_time, QUIET * self._smallest_inertia
+        tolerance, slow, span, share = self.rest
         stopped = momentum * span + 0.5 * torque * span**2 <= share * error
-        return (error > self._tolerance) & (travel <= 0.05 * error) & stopped
+        return (error > tolerance) & (travel <= slow * error) & stopped
 
     def _certify(self, solution: Solution, error: float) -> Finding | None:
         units = self._units
