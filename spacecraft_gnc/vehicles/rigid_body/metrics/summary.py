@@ -198,9 +198,7 @@ def _solver_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, 
         "unconverged_steps": _count(series.unconverged(trajectory), solved),
         "stalled_steps": _count(trajectory.status == Status.STALLED, solved),
         "escaping_steps": _count(trajectory.status == Status.ESCAPING, solved),
-        "solve_time_median": _quantile(solve_time, 0.5),
-        "solve_time_p99": _quantile(solve_time, 0.99),
-        "solve_time_max": _quantile(solve_time, 1.0),
+        **_times(solve_time),
         "sources": {source.name: sources[source] for source in Source if sources[source]},
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
     }
@@ -217,8 +215,11 @@ def _largest(values: Array) -> float:
     return float(known.max()) if known.size else math.nan
 
 
-def _quantile(values: Array, share: float) -> float | None:
-    return float(np.quantile(values, share)) if values.size else None
+def _times(solve_time: Array) -> dict[str, float | None]:
+    names = [f"solve_time_{name}" for name in ("median", "p99", "max")]
+    if not solve_time.size:
+        return dict.fromkeys(names)
+    return dict(zip(names, np.quantile(solve_time, [0.5, 0.99, 1.0]).tolist(), strict=True))
 
 
 def _number(value: float | np.floating[Any]) -> float | None:
