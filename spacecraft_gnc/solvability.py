@@ -12,7 +12,28 @@ import numpy as np
 
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 
+_SURELY = 1.0 - 1e-9  # rounding decides nothing
 _EQUAL = 1e-12  # difference of two moments, relative, up to which they are the same
+
+
+def is_surely_free(inertia: Matrix3, momentum: Vector3, step: float) -> bool:
+    """Tell whether every step [s] of the free body exists, wherever its momentum points.
+
+    h |Pi| < 2 d, with d the smallest eigenvalue of Jd. Where that does not hold, the step may exist
+    all the same: `largest_free_step` decides.
+
+    Parameters
+    ----------
+    inertia : (3, 3) array
+        Body frame [kg m^2].
+    momentum : (3,) array
+        Body frame [N m s].
+    step : float
+        Time step h [s].
+    """
+    moments = np.linalg.eigvalsh(inertia)
+    smallest = 0.5 * float(moments.sum()) - float(moments[-1])
+    return step * math.hypot(*momentum) < 2.0 * smallest * _SURELY
 
 
 def largest_step(inertia: Matrix3, momentum: Vector3) -> float:

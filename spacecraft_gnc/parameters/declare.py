@@ -76,7 +76,9 @@ class Schema:
         """Return the spec of a dotted name, or None where the section has no such parameter."""
         if name.startswith(PLUGIN_PREFIX) and self.is_node(section):
             return plugin_spec("" if value is None else value)
-        return _declared(self.sections[section], self._elements(section, name)).get(name)
+        parameters = self.sections[section]
+        found = _declared(parameters, ()).get(name)
+        return found or _declared(parameters, self._elements(section, name)).get(name)
 
     def known_names(self, section: str, like: str = "") -> tuple[str, ...]:
         """Return the names to suggest for an unknown one."""

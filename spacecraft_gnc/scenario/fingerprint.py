@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
-from spacecraft_gnc.parameters.parameter import Kind, Value, typed
+from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, Value, typed
 from spacecraft_gnc.parameters.yaml_scalar import emit
 
 if TYPE_CHECKING:
@@ -44,27 +44,31 @@ def flown_values(scenario: Scenario) -> dict[str, str]:
 
     Those that formulas give for what was not given are among them.
     """
-    return {
-        f"{section}.{name}": _emitted(scenario, section, name, value)
+    schema = scenario.schema
+    described = (
+        (f"{section}.{name}", value, schema.spec_of(section, name, value))
         for section in sorted(FLOWN)
         for name, value in sorted(scenario.values.get(section, {}).items())
-        if name not in _SET_BY_LAUNCHER and not _says_nothing(scenario, section, name, value)
+        if name not in _SET_BY_LAUNCHER
+    )
+    return {
+        name: _emitted(scenario, spec, value)
+        for name, value, spec in described
+        if not _says_nothing(spec, value)
     }
 
 
-def _says_nothing(scenario: Scenario, section: str, name: str, value: Value) -> bool:
+def _says_nothing(spec: ParameterSpec | None, value: Value) -> bool:
     """Tell whether a value is a default with which the flight is that of before it existed."""
-    spec = scenario.schema.spec_of(section, name, value)
     return spec is not None and spec.is_neutral and value == spec.default
 
 
-def _emitted(scenario: Scenario, section: str, name: str, value: Value) -> str:
+def _emitted(scenario: Scenario, spec: ParameterSpec | None, value: Value) -> str:
     """Return a value as YAML, in one form: that of a parameter left open, s for the matrix s I."""
-    spec = scenario.schema.spec_of(section, name, value)
     if spec is not None and spec.otherwise and value == spec.default:
         other, _, key = spec.otherwise.partition(".")
         value = scenario.values[other][key]
-    if spec is not None and spec.kind is Kind.DYNAMIC:
+    if spec is not None and spec.kind is Kind.DYNAMIC and isinstance(value, list):
         matrix = typed(spec, value)
         isotropic = np.array_equal(matrix, matrix[0, 0] * np.eye(len(matrix)))
         return emit((matrix[0, 0] if isotropic else matrix.ravel()).tolist())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Final
 
 from spacecraft_gnc.parameters.declare import Schema
@@ -22,6 +23,7 @@ OF_GRAPH: Final = ("recorder", LAUNCHER)
 _KEY: Final = "vehicle"
 
 
+@lru_cache(maxsize=64)
 def schema_of(vehicle: Vehicle) -> Schema:
     """Return the sections of a vehicle's scenarios."""
     sections = {**vehicle.sections, **SHARED}

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.formulas import Missing
-from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.types import Matrix3, read_only
 from spacecraft_gnc.vehicles.rigid_body.chosen import own_method
 
 _PLANT: Final = "plant"
@@ -104,17 +105,27 @@ class Values:
         makes weighs as much as the dearest that one does.
         """
         actuators = self.numbers(_CONTROLLER, "actuators")
-        matrix = np.array(actuators).reshape(3, -1) if actuators else np.eye(3)
-        count = matrix.shape[1]
-        full = weight if len(weight) == count else float(weight[0, 0]) * np.eye(count)
-        axes, gains, _ = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(full), matrix.T).T)
-        gains = np.append(gains, np.zeros(3 - len(gains)))
-        if not gains[0] > 0.0:
-            raise Missing  # actuators that the checks refuse
-        gains[gains <= _NEGLIGIBLE * gains[0]] = gains[gains > _NEGLIGIBLE * gains[0]].min()
-        return np.asarray((axes / gains**2) @ axes.T)
+        return _effort(np.array(actuators).tobytes(), weight.tobytes(), len(weight))
 
     def acceleration_effort(self, weight: Matrix3) -> Matrix3:
         """Return J W J, the weight of an angular acceleration."""
         inertia = self.inertia
         return np.asarray(inertia @ self.effort(weight) @ inertia)
+
+
+@lru_cache(maxsize=64)
+def _effort(actuators: bytes, numbers: bytes, size: int) -> Matrix3:
+    """Return `Values.effort`, which seldom changes between the scenarios of one spacecraft.
+
+    Of bytes, which tell 0.0 from -0.0.
+    """
+    weight = np.frombuffer(numbers).reshape(size, size)
+    matrix = np.frombuffer(actuators).reshape(3, -1) if actuators else np.eye(3)
+    count = matrix.shape[1]
+    full = weight if len(weight) == count else float(weight[0, 0]) * np.eye(count)
+    axes, gains, _ = np.linalg.svd(np.linalg.solve(np.linalg.cholesky(full), matrix.T).T)
+    gains = np.append(gains, np.zeros(3 - len(gains)))
+    if not gains[0] > 0.0:
+        raise Missing  # actuators that the checks refuse
+    gains[gains <= _NEGLIGIBLE * gains[0]] = gains[gains > _NEGLIGIBLE * gains[0]].min()
+    return read_only((axes / gains**2) @ axes.T)
