@@ -81,8 +81,9 @@ def test_wheel_holds_every_data_file(wheel_files: set[str]) -> None:
 
 def test_wheel_holds_the_ros_share_folder(wheel_files: set[str]) -> None:
     shared = {name.partition("/share/")[2] for name in wheel_files if "/share/" in name}
-    scenarios = {f"spacecraft_gnc/config/{path.name}" for path in (ROOT / "config").iterdir()}
-    assert shared == scenarios | {
+    files = (path for path in (ROOT / "config").rglob("*") if path.is_file())
+    configured = {f"spacecraft_gnc/{path.relative_to(ROOT)}" for path in files}
+    assert shared == configured | {
         "ament_index/resource_index/packages/spacecraft_gnc",
         "spacecraft_gnc/package.xml",
         "spacecraft_gnc/requirements.lock",
