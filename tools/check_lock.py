@@ -21,6 +21,7 @@ import tempfile
 import time
 import zipfile
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Final
 
@@ -31,6 +32,7 @@ NEWER: Final = "9999.0"
 SUPPORTED: Final = ("3.10", "3.11", "3.12", "3.13", "3.14")
 PIPS: Final = {"3.10": "22.0.4", "3.13": "26.3", "3.14": "26.3"}
 """Versions of pip to install with; elsewhere the one that comes with the Python."""
+AT_ONCE: Final = 2
 REQUIREMENT: Final = re.compile(r"^([A-Za-z0-9._-]+)==(\S+)", flags=re.MULTILINE)
 
 
@@ -40,7 +42,8 @@ def main() -> int:
     if not pythons:
         print("error: no Python 3.10 to 3.14 found: install one or name it", file=sys.stderr)
         return 1
-    return max(check(python) for python in pythons)
+    with ThreadPoolExecutor(AT_ONCE) as pool:  # each mostly waits for pip
+        return max(pool.map(check, pythons))
 
 
 def check(python: Path) -> int:
@@ -59,7 +62,8 @@ def check(python: Path) -> int:
         print(f"error: Python {version}, pip {pip}: {line}", file=sys.stderr)
     if not wrong:
         seconds = time.monotonic() - started
-        print(f"Python {version}, pip {pip}: exactly the lock is installed ({seconds:.0f} s)")
+        told = f"Python {version}, pip {pip}: exactly the lock is installed ({seconds:.0f} s)"
+        print(told, flush=True)
     return bool(wrong)
 
 
