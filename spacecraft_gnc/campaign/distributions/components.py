@@ -99,23 +99,23 @@ def _components(options: Options, target: Target, laws: Sequence[Law]) -> Compon
     return Components(tuple(laws) if options.is_valid else (), is_list)
 
 
-def _count(options: Options, target: Target) -> int:
-    """Return how many numbers the parameter takes; report one that takes none."""
+def _count(options: Options, target: Target) -> int | None:
+    """Return how many numbers a list of the parameter has, None for a scalar; report a misfit."""
     spec = target.spec
-    if spec.kind not in _NUMBERS or (spec.kind in _LISTS and spec.matrix is not MatrixRule.NONE):
+    is_list = spec.kind in _LISTS
+    if spec.kind not in _NUMBERS or (is_list and spec.matrix is not MatrixRule.NONE):
         what = f"numbers for {target.name}"
         remedy = "choose inertia, or choice" if spec.matrix is MatrixRule.INERTIA else "use choice"
         options.complain("distribution", what, f"a distribution of {spec.requirement}", remedy)
-        return 1
-    if spec.kind not in _LISTS:
-        return 1
-    listed = options.length(_OPTIONS)
+    if not is_list:
+        return None
     known = len(target.nominal) if isinstance(target.nominal, list) else 0
-    count = spec.length if spec.length > 0 else listed or known
+    count = spec.length if spec.length > 0 else options.length(_OPTIONS) or known
     if not count:
         need = f"a list for {target.name}, which has no value in the scenario"
-        options.complain("from", options.shown("from"), need, "write one number for each component")
-    return count or 1
+        remedy = "write a number for each component"
+        options.complain("distribution", "one number for all components", need, remedy)
+    return count
 
 
 def _check_real(options: Options, target: Target) -> None:

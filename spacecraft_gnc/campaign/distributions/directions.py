@@ -25,6 +25,7 @@ _AXIS: Final = ParameterSpec(
 )
 _LENGTH: Final = ParameterSpec(kind=Kind.DOUBLE, default=0.0, description="", minimum=0.0)
 _FORMS: Final = {3: "a rotation vector", 4: "a quaternion x y z w", 9: "a rotation matrix"}
+_ROUNDING: Final = 1e-15  # relative
 _SERIES_BELOW: Final = 0.1  # [rad]; three terms leave less than 1e-16 of the first there
 
 
@@ -171,10 +172,9 @@ def _angle_of(share: float) -> float:
     Newton's iteration from above: t - sin t is convex and at least t^3 / pi^2, so it only descends.
     """
     t = math.pow(math.pi**2 * share, 1.0 / 3.0)
-    while t > 0.0:
+    step = t
+    while step > _ROUNDING * t:
         step = (angle_less_sine(t) - share) / (2.0 * math.sin(0.5 * t) ** 2)
-        if not step > 1e-16 * t:
-            break
         t -= step
     return t
 

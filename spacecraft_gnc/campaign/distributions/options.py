@@ -92,23 +92,24 @@ class Options:
             return []
         return list(node.value)
 
-    def numbers(self, name: str, count: int, default: float = math.nan) -> list[float]:
-        """Return a number for each of ``count`` components: one for all, or a list."""
-        need = "a number" if count == 1 else f"a number, or a list of {count}"
+    def numbers(self, name: str, count: int | None, default: float = math.nan) -> list[float]:
+        """Return a number for each of ``count`` components, of which None is a scalar."""
+        need = "a number" if count is None else f"a number, or a list of {count}"
+        unknown = [math.nan] * (count or 1)
         if not self.has(name) and not math.isnan(default):
-            return [default] * count
+            return [default] * len(unknown)
         node = self.node(name, need)
         if node is None:
-            return [math.nan] * count
-        if not isinstance(node, yaml.SequenceNode):
+            return unknown
+        if count is None or not isinstance(node, yaml.SequenceNode):
             value = self.converted(name, node, _NUMBER)
-            return [math.nan if value is None else float(value)] * count  # type: ignore[arg-type]
+            return unknown if value is None else [float(value)] * len(unknown)  # type: ignore[arg-type]
         if len(node.value) != count:
             self.complain(name, f"{len(node.value)} numbers", need, f"write {count}")
-            return [math.nan] * count
+            return unknown
         spec = ParameterSpec(kind=Kind.DOUBLE_ARRAY, default=[], description="", shape=(count,))
         found = self.converted(name, node, spec)
-        return [math.nan] * count if found is None else list(found)  # type: ignore[arg-type]
+        return unknown if found is None else list(found)  # type: ignore[arg-type]
 
     def length(self, names: Sequence[str]) -> int | None:
         """Return the length of the first of these options that is a list."""
