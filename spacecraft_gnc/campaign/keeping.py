@@ -1,0 +1,64 @@
+"""Runs whose whole flights are kept: failed ones, the worst of each metric, the first ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from spacecraft_gnc.campaign.flyer import FAILED, PASSED
+from spacecraft_gnc.campaign.results import Campaign
+
+
+def kept_runs(campaign: Campaign, first: int, most_failed: int) -> tuple[list[int], int]:
+    """Return the runs to keep, ascending, and how many failed runs are not among them.
+
+    Parameters
+    ----------
+    campaign
+        A complete one.
+    first
+        Number of first runs to keep.
+    most_failed
+        Number of failed runs to keep at most, the first ones.
+    """
+    flown, failed = _by_status(campaign)
+    chosen = {*failed[:most_failed], *flown[flown < first]}
+    for name in campaign.spec.variations.criterion.worse:
+        chosen.update(worst_runs(campaign, name))
+    return sorted(map(int, chosen)), len(set(failed) - chosen)
+
+
+def worst_runs(campaign: Campaign, name: str) -> list[int]:
+    """Return the runs that are worst in a metric of the criterion, the worst one first.
+
+    Of equal ones the first is the worse; runs without a value are none of them.
+    """
+    count = campaign.spec.variations.worst
+    sign = campaign.spec.variations.criterion.worse[name]
+    worst: list[tuple[float, int]] = []
+    if name in campaign.schema.names:
+        for runs, values in _numbers(campaign, name):
+            order = np.lexsort((runs, -sign * values))[:count]
+            worst += zip((-sign * values[order]).tolist(), runs[order].tolist(), strict=True)
+            worst = sorted(worst)[:count]
+    return [run for _, run in worst]
+
+
+def _numbers(campaign: Campaign, name: str) -> Iterator[tuple[Any, Any]]:
+    for table in campaign.tables(["run", name]):
+        known = table.filter(table[name].is_valid())
+        values = known[name].to_numpy().astype(float)
+        finite = ~np.isnan(values)
+        yield known["run"].to_numpy()[finite], values[finite]
+
+
+def _by_status(campaign: Campaign) -> tuple[Any, Any]:
+    """Return the runs that were flown and those that failed, ascending."""
+    flown, failed = [np.zeros(0, int)], [np.zeros(0, int)]
+    for table in campaign.tables(["run", "status"]):
+        runs, status = table["run"].to_numpy(), np.array(table["status"].to_pylist())
+        flown.append(runs[np.isin(status, (PASSED, FAILED))])
+        failed.append(runs[status == FAILED])
+    return np.concatenate(flown), np.concatenate(failed)
