@@ -107,6 +107,12 @@ class Binning:
     labels: tuple[str, ...] = ()
     categories: Array | None = None
 
+    @classmethod
+    def of_categories(cls, labels: tuple[str, ...], categories: Array | None = None) -> Binning:
+        """Return the division into categories, one bin for each."""
+        edges = np.linspace(-0.5, len(labels) - 0.5, len(labels) + 1)
+        return cls(edges, labels=labels, categories=categories)
+
     @property
     def size(self) -> int:
         """Bins."""
@@ -173,7 +179,7 @@ def binning(values: Array) -> Binning | None:
     distinct = ordered[np.append(True, np.diff(ordered) != 0.0)]
     if len(distinct) <= MOST_CATEGORIES and 2 * len(distinct) <= len(ordered):
         labels = tuple(f"{value:.6g}" for value in distinct)
-        return Binning(np.arange(len(distinct) + 1) - 0.5, labels=labels, categories=distinct)
+        return Binning.of_categories(labels, distinct)
     first, last = ordered[len(ordered) // 100], ordered[-1 - len(ordered) // 100]
     is_log = bool(first > 0.0 and last > _LOG_FROM * first)
     return _intervals(ordered[ordered > 0.0] if is_log else ordered, is_log)
@@ -249,4 +255,4 @@ def explained(counts: Counts) -> float:
         return 0.0
     rates = counts[:, 1] / np.maximum(totals, 1)
     within = float(np.sum(totals * rates * (1.0 - rates)))
-    return max(0.0, 1.0 - within * (runs - 1) / (total * (runs - bins)))
+    return max(0.0, float(1.0 - within * (runs - 1) / (total * (runs - bins))))
