@@ -27,7 +27,7 @@ MOST_PANELS: Final = 8
 """Diagrams of a figure."""
 _WIDTH, _HEIGHT = 6.3, 2.4  # [inch] of a figure, and of a row of diagrams
 _MAP: Final = (6.3, 4.6)
-_LINE: Final = 34  # letters of a title
+_LINE: Final = 30  # letters of a title
 _OTHERS, _PASSED = 0, 1
 _DENSITY: Final = LinearSegmentedColormap.from_list("density", style.DENSITY_COLORS)
 _RATES: Final = LinearSegmentedColormap.from_list("rates", style.RATE_COLORS)
@@ -122,7 +122,9 @@ def _success_map(x: Column, y: Column, data: Data) -> Figure:
         totals = counts.sum(axis=2)
         rates = np.ma.masked_invalid(np.where(totals, 0.0, np.nan))
         rates += 100.0 * counts[:, :, _PASSED] / np.maximum(totals, 1)
-        mesh = _mesh(axes, coded, rates, cmap=_RATES)
+        sure = rates[totals >= stats.ENOUGH]
+        span = {"vmin": sure.min(), "vmax": sure.max()} if sure.size else {}
+        mesh = _mesh(axes, coded, rates, cmap=_RATES, **span)
         figure.colorbar(mesh, ax=axes, label="passed [%]")
         axes.set(title="Success rate", xlabel=_plain(x.name), ylabel=_plain(y.name))
         return figure

@@ -19,6 +19,8 @@ MOST_BINS: Final = 60
 """A multiple of what bins are merged by, so that no merged one is smaller than the others."""
 MOST_CATEGORIES: Final = 12
 """A column with no more different values, each of several runs, has one bin for each."""
+ENOUGH: Final = 10
+"""Runs of a cell whose success rate counts for the span of a map's colors."""
 BELOW, ABOVE, MISSING = 253, 254, 255
 """Codes of a value outside the bins, and of none."""
 

@@ -42,8 +42,11 @@ def packed(values: Array) -> dict[str, str]:
 
 
 def label(text: str) -> str:
-    """Return a text that plotly.js shows as it is: its labels understand a little HTML."""
-    return html.escape(text)
+    """Return a text that plotly.js shows as it is: its labels understand a little HTML.
+
+    Not ``&quot;``, which it would show.
+    """
+    return html.escape(text, quote=False)
 
 
 def component_line(index: int) -> dict[str, Any]:

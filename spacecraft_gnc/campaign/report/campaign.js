@@ -36,18 +36,17 @@ function densityTrace(counts, which) {
 }
 
 // The colors span the rates of cells with enough runs: those of a few runs are 0 or 100 % by chance.
-const ENOUGH = 10;
-function spanOf(rates, totals) {
-  const sure = rates.flatMap((row, y) => row.filter((_, x) => totals[y][x] >= ENOUGH));
+function spanOf(rates, totals, enough) {
+  const sure = rates.flatMap((row, y) => row.filter((_, x) => totals[y][x] >= enough));
   return sure.length ? { zmin: Math.min(...sure), zmax: Math.max(...sure) } : {};
 }
 
-function rateTrace(counts) {
+function rateTrace(counts, enough) {
   const totals = combined(counts[OTHERS], counts[PASSED], (a, b) => a + b);
   const rates = combined(counts[PASSED], totals, (a, n) => (n ? (100 * a) / n : null));
   return {
     z: rates,
-    ...spanOf(rates, totals),
+    ...spanOf(rates, totals, enough),
     customdata: combined(counts[PASSED], totals, (a, n) => `${a} of ${n}`),
     hovertemplate: "%{x:.4g}<br>%{y:.4g}<br>%{z:.4g} %, %{customdata} passed<extra></extra>",
     colorbar: { title: { text: "passed [%]" } },
@@ -57,7 +56,7 @@ function rateTrace(counts) {
 function pairFigure(pair, i, j, which) {
   const x = pair.x[i], y = pair.y[j];
   const counts = countsOf(pair, i, j);
-  const trace = pair.name === "rates" ? rateTrace(counts) : densityTrace(counts, which);
+  const trace = pair.name === "rates" ? rateTrace(counts, pair.enough) : densityTrace(counts, which);
   trace.colorbar = { thickness: 12, outlinewidth: 0, len: 1, ...trace.colorbar };
   const heat = { type: "heatmap", x: x.edges, y: y.edges, colorscale: pair.colors, ...trace };
   const layout = { ...copyOf(pair.layout), xaxis: copyOf(x.axis), yaxis: copyOf(y.axis) };

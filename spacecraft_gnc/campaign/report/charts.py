@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import textwrap
 from collections.abc import Iterator, Sequence
 from itertools import combinations
@@ -86,7 +85,7 @@ def _bars(binning: Binning, counts: Any, name: str, color: str) -> Trace:
 
 def value_axis(name: str, binning: Binning) -> dict[str, Any]:
     """Return the axis of a column's values."""
-    title = "<br>".join(html.escape(line) for line in textwrap.wrap(name, _LINE))
+    title = "<br>".join(label(line) for line in textwrap.wrap(name, _LINE))
     if binning.labels:
         ticks = [label(text) for text in binning.labels]
         span = [-0.5, binning.size - 0.5]
@@ -176,6 +175,7 @@ def rate_pairs(parameters: Sequence[tuple[Column, float]], data: Data) -> dict[s
         "x": columns,
         "y": columns,
         "cells": cells,
+        "enough": stats.ENOUGH,
         "colors": scale(style.RATE_COLORS),
         "layout": _pair_layout(),
     }

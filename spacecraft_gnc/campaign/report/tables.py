@@ -21,7 +21,7 @@ _DIGITS: Final = 6
 _PAIRS: Final = {
     "rates": (
         "Success rate over two parameters",
-        "White: no run. The colors span the rates of the cells of at least 10 runs.",
+        f"White: no run. The colors span the rates of the cells of at least {stats.ENOUGH} runs.",
     ),
     "density": ("Runs by parameter and metric", "White: no run. The colors are logarithmic."),
 }
