@@ -76,8 +76,11 @@ class Checked:
     def section(self, section: str) -> Any:
         """Return the typed section; every value of it has to be admissible."""
         parameters, further = self.schema.sections[section], {}
-        effective = {name: self.effective(section, name) for name in self.values[section]}
-        known = {name: value for name, value in effective.items() if value is not None}
+        known = dict(self.values[section])
+        for name in (name for name, spec in self.declarations(section) if spec.otherwise):
+            value = self.effective(section, name)
+            if value is not None:
+                known[name] = value
         if self.schema.is_node(section):
             further["plugin"] = self.plugin(section)
         return typed_section(parameters, known, **further)

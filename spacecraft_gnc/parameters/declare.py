@@ -68,9 +68,9 @@ class Schema:
             Parameters of another package's vehicle, method or governor, without ``plugin.``.
         """
         given = tuple((field, tuple(names)) for field, names in elements.items())
-        found = tuple(_declared(self.sections[section], given).items())
+        found = _declarations(self.sections[section], given)
         plugins = ((PLUGIN_PREFIX + name, plugin_spec(v)) for name, v in (plugin or {}).items())
-        return tuple(starmap(Declaration, (*found, *plugins)))
+        return (*found, *starmap(Declaration, plugins)) if plugin else found
 
     def spec_of(self, section: str, name: str, value: Value | None) -> ParameterSpec | None:
         """Return the spec of a dotted name, or None where the section has no such parameter."""
@@ -128,6 +128,11 @@ def _declared(parameters: type, elements: _Elements) -> Mapping[str, ParameterSp
             inner = _declared(group.parameters, ())
             found |= {prefix + parameter: spec for parameter, spec in inner.items()}
     return found
+
+
+@lru_cache(maxsize=256)
+def _declarations(parameters: type, elements: _Elements) -> tuple[Declaration, ...]:
+    return tuple(starmap(Declaration, _declared(parameters, elements).items()))
 
 
 def plugin_spec(value: Value) -> ParameterSpec:

@@ -64,6 +64,8 @@ def emit(value: Scalar | list[Scalar]) -> str:
 
 def _emit_float(value: float) -> str:
     text = repr(value)
+    if "e" not in text and "n" not in text:  # most: no exponent, no NaN or infinity
+        return text
     if text in ("nan", "inf", "-inf"):
         return text.replace("nan", ".nan").replace("inf", ".inf")
     mantissa, exponent, power = text.partition("e")

@@ -39,8 +39,9 @@ def _exceedances(
     scenario: Scenario, attitudes: Array, momenta: Array, torques: Array
 ) -> Iterator[Exceedance]:
     controller, governor = scenario.controller, scenario.governor
-    actuators = as_actuators(controller.actuators if controller.actuators.size else None)
-    controls = torques @ np.linalg.pinv(actuators).T
+    controls = torques
+    if controller.actuators.size:
+        controls = torques @ np.linalg.pinv(as_actuators(controller.actuators)).T
     is_governed = governor.governor != "none"
     for name, vectors, bound, unit in (
         ("torque", controls, controller.max_torque, "N m"),
