@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from spacecraft_gnc.plant.random_numbers import LARGEST_SEED, standard_normals
+from spacecraft_gnc.plant.random_numbers import LARGEST_SEED, standard_normals, uniforms
 
 NUMBERS = st.integers(0, LARGEST_SEED)
 
 
+DRAWS = pytest.mark.parametrize("draw", [standard_normals, uniforms])
+
+
+@DRAWS
 @given(NUMBERS, NUMBERS, st.text(max_size=20), NUMBERS, st.integers(1, 9))
 def test_they_depend_on_the_key_alone_and_longer_draws_continue_shorter_ones(
-    seed, run, stream, step, count
+    draw, seed, run, stream, step, count
 ):
-    longer = standard_normals(seed, run, stream, step, 2 * count)
-    assert (standard_normals(seed, run, stream, step, count) == longer[:count]).all()
+    longer = draw(seed, run, stream, step, 2 * count)
+    assert (draw(seed, run, stream, step, count) == longer[:count]).all()
 
 
+@DRAWS
 @given(NUMBERS, NUMBERS, st.integers(0, LARGEST_SEED - 1))
-def test_every_part_of_the_key_matters(seed, run, step):
-    base = standard_normals(seed, run, "a", step, 4)
+def test_every_part_of_the_key_matters(draw, seed, run, step):
+    base = draw(seed, run, "a", step, 4)
     for other in (
-        standard_normals(seed ^ 1, run, "a", step, 4),
-        standard_normals(seed, run ^ 1, "a", step, 4),
-        standard_normals(seed, run, "b", step, 4),
-        standard_normals(seed, run, "a", step + 1, 4),
-        standard_normals(run, seed, "a", step, 4) if run != seed else -base,
+        draw(seed ^ 1, run, "a", step, 4),
+        draw(seed, run ^ 1, "a", step, 4),
+        draw(seed, run, "b", step, 4),
+        draw(seed, run, "a", step + 1, 4),
+        draw(run, seed, "a", step, 4) if run != seed else -base - 1.0,
     ):
         assert not np.isin(base, other).any()
 
@@ -42,6 +48,19 @@ def test_steps_of_a_stream_are_normal_and_not_correlated():
     for lag in (1, 2, 10):
         assert np.abs((drawn[lag:] * drawn[:-lag]).mean(axis=0)).max() < sure
     assert np.abs((drawn * np.roll(drawn, 1, axis=1)).mean(axis=0)).max() < sure
+
+
+def test_uniform_numbers_are_uniform_and_runs_are_not_correlated():
+    n = 20_000
+    drawn = np.array([uniforms(7, run, "campaign", 0, 3) for run in range(n)])
+    sure = 5.0 / np.sqrt(n)
+    assert drawn.min() >= 0.0
+    assert drawn.max() < 1.0
+    centered = np.sqrt(12.0) * (drawn - 0.5)
+    assert np.abs(centered.mean(axis=0)).max() < sure
+    assert np.abs((centered**2).mean(axis=0) - 1.0).max() < sure
+    assert np.abs((centered[1:] * centered[:-1]).mean(axis=0)).max() < sure
+    assert np.abs((centered * np.roll(centered, 1, axis=1)).mean(axis=0)).max() < sure
 
 
 def test_the_generator_is_the_published_philox():
