@@ -65,8 +65,10 @@ def read_expression(text: str) -> Expression:
     if len(text) > LONGEST:
         received = f"{len(text)} characters"
         raise Refusal(received, f"at most {LONGEST}", "simplify the expression")
+    if "#" in text:  # Python would skip the rest, which may stand on another line
+        raise Refusal(shown(text), _REQUIREMENT, "remove the '#'")
     try:
-        tree = ast.parse(text.strip(), mode="eval")
+        tree = ast.parse(" ".join(text.split()), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise Refusal(shown(text), _REQUIREMENT, "mend the expression") from None
     expression = _read(tree.body, 1)

@@ -31,6 +31,7 @@ METRICS = ("a", "b", "c")
         ("'settle_time_0.1deg' < 60", {"settle_time_0.1deg": 59.0}, True),
         ('"zone_margin_deg.sun" > 0', {"zone_margin_deg.sun": np.float32(1.0)}, True),
         ("a < 1", {"a": math.inf}, False),
+        ("a < 1\n  and b < 1\n", {"a": 0, "b": 0}, True),
     ],
 )
 def test_what_an_expression_means(text, row, holds):
@@ -195,6 +196,7 @@ def test_an_unknown_metric_is_refused_with_the_nearest():
         "await a",
         "a < 1\nb < 2",
         "a \0 < 1",
+        "a < 1 # degrees\nand b < 1",
         "(" * 500 + "a < 1" + ")" * 500,
         "not " * 900 + "a < 1",
         "-" * 3900 + "a < 1",

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from drawn import (
     INERTIA,
+    POINTS3,
     SCALAR,
     UNIT,
     VECTOR,
+    made,
     read,
     spec,
 )
@@ -54,6 +56,16 @@ def test_what_is_not_refused_never_leaves_the_range(text, options, point):
         for u in (point, np.zeros(3), np.full(3, 1.0 - 2.0**-53)):
             value = distribution.value(u[: distribution.dimensions])
             assert admissible(target, value, coerce=False) == value
+
+
+@pytest.mark.parametrize("count", [3, 4, 9])
+@given(st.floats(1e-3, 180.0), POINTS3)
+def test_the_extremes_of_a_rotation_enclose_its_numbers_in_every_form(count, degrees, point):
+    text = f"{{distribution: rotation, max_angle_deg: {degrees!r}}}"
+    distribution = made(text, spec(Kind.DOUBLE_ARRAY, (count,)), name="plant.rotation_vector")
+    ends, value = np.array(list(distribution.extremes())), np.array(distribution.value(point))
+    assert (value >= ends.min(axis=0) - 4e-16).all()
+    assert (value <= ends.max(axis=0) + 4e-16).all()
 
 
 @pytest.mark.parametrize(

@@ -142,9 +142,11 @@ class Rotation:
         return self._formed(self.turn.vector(point))
 
     def extremes(self) -> Iterable[Value]:
-        """Return the largest rotations about each axis, both ways, and none."""
-        for axis in (*np.eye(3), *-np.eye(3), np.zeros(3)):
-            yield self._formed(self.turn.angle * axis)
+        """Return the rotations that reach the ends of each number, in every form."""
+        yield self._formed(np.zeros(3))
+        for angle in (self.turn.angle, min(self.turn.angle, 0.5 * math.pi)):  # of cosine, of sine
+            for axis in (*np.eye(3), *-np.eye(3)):
+                yield self._formed(angle * axis)
 
     def _formed(self, vector: Vector3) -> list[float]:
         numbers: list[float]
