@@ -56,6 +56,8 @@ def test_a_point_depends_on_its_run_alone(sampling, seed, data):
     assert (whole >= 0.0).all()
     assert (whole < 1.0).all()
     design = Design(variations(sampling), seed, runs)
+    alone = [design.points(run, 1)[0] for run in reversed(range(runs))]
+    assert (alone[::-1] == whole).all()
     for _ in range(4):  # blocks in any order, again and again
         first = data.draw(st.integers(0, runs - 1))
         count = data.draw(st.integers(0, runs - first))
