@@ -9,6 +9,6 @@ vary:
   plant.initial_rotation_vector: {distribution: rotation, max_angle_deg: 40.0}
   plant.inertia: {distribution: inertia, factor: 0.1}
   nmpc_controller.horizon: {distribution: choice, values: [5, 8]}
-pass: final_error_deg < 25 and max_torque < 0.011
+pass: final_error_deg < 15 and max_torque < 0.011
 worst: 2
 """

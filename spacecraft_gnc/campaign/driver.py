@@ -111,9 +111,9 @@ def keep_flights(
         Called with how many are flown of how many.
     """
     chosen, left_out = kept_runs(campaign, first, most_failed)
-    there = [run for run in chosen if not campaign.flight_of(run).exists()]
+    wanted = [run for run in chosen if not campaign.flight_of(run).exists()]
     mismatches = []
-    blocks = [range(run, run + 1) for run in there]
+    blocks = [range(run, run + 1) for run in wanted]
     for done, (runs, kept) in enumerate(engine.map(fly_kept, campaign.spec, blocks), 1):
         (flight,) = kept or [Kept({}, b"")]
         wrong = row_differences(campaign.row(runs.start), flight.row)
@@ -121,8 +121,15 @@ def keep_flights(
             mismatches.append(f"run {runs.start}: {wrong[0]}")
         else:
             _save(campaign.flight_of(runs.start), flight.file)
-        progress(done, len(there))
+        progress(done, len(wanted))
     return Keeping(tuple(chosen), left_out, tuple(mismatches))
+
+
+def kept_before(campaign: Campaign, first: int, most_failed: int) -> Keeping | None:
+    """Return what is kept of a complete campaign; None where a flight is still to be flown."""
+    chosen, left_out = kept_runs(campaign, first, most_failed)
+    is_kept = all(campaign.flight_of(run).exists() for run in chosen)
+    return Keeping(tuple(chosen), left_out, ()) if is_kept else None
 
 
 def _save(path: Path, content: bytes) -> None:

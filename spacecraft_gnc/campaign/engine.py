@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator
+from itertools import count
 from queue import Empty, SimpleQueue
 from typing import Any, Final, NamedTuple
 
@@ -28,14 +29,14 @@ class Block(NamedTuple):
 
     runs: range
     result: Any
-    """What the task returned; None of a single run that ended every worker it was given to."""
+    """What the task returned, not None; None of a run that ended every worker it was given to."""
 
 
 class Engine:
     """Sends blocks of runs to workers and yields them as they come back.
 
-    A block whose worker dies is flown again by another one. One that ends worker after worker is
-    halved, so that the run that does so is found.
+    A block whose worker dies is flown again by another one. One that dies with worker after worker
+    is halved, and a run that does is flown alone in the end, so that the one to blame is found.
 
     Parameters
     ----------
@@ -60,35 +61,47 @@ class Engine:
         SchedulerLost
             If nobody is left to fly.
         """
-        size = size or BlockSize(1)
-        left = list(runs)[::-1]
+        size, left, suspects = size or BlockSize(1), list(runs)[::-1], list[range]()
         pending: dict[Any, tuple[Any, range]] = {}
-        token = uuid.uuid4().hex[:8]
+        submit = self._submitter(task, spec, pending)
         try:
-            while left or pending:
+            while left or pending or suspects:
                 while left and len(pending) < _AHEAD * self.threads():
-                    count = size.next(sum(map(len, left)), self._threads)
-                    block, rest = left[-1][:count], left.pop()[count:]
-                    left += [rest] if rest else []
-                    key = (f"fly-{token}", block.start, len(block), uuid.uuid4().hex[:8])
-                    future = self._client.submit(
-                        task, spec, block.start, len(block), key=key, pure=False
-                    )
-                    pending[key] = future, block
-                    future.add_done_callback(self._back.put)
-                future = self._next()
-                found = pending.pop(future.key, None)
-                if found is None:
-                    continue
-                block = found[1]
-                halves = self._halves(future, block)
-                if len(halves) == 1:
-                    yield Block(block, None if future.status == "error" else future.result())
+                    submit(_taken(left, size.next(sum(map(len, left)), self._threads)))
+                alone = not pending
+                if alone:  # so that no other run can be to blame
+                    submit(suspects.pop())
+                block, result = self._back_from(pending)
+                if result is not None or alone:
+                    yield Block(block, result)
+                elif len(block) == 1:
+                    suspects.append(block)
                 else:
-                    left += halves[::-1]
+                    middle = len(block) // 2
+                    left += [block[middle:], block[:middle]]
         finally:
             if pending:
                 self._client.cancel([future for future, _ in pending.values()])
+
+    def _submitter(
+        self, task: Task, spec: Spec, pending: dict[Any, tuple[Any, range]]
+    ) -> Callable[[range], None]:
+        numbers, token = count(), uuid.uuid4().hex[:8]
+
+        def submit(block: range) -> None:
+            key = (f"fly-{token}", next(numbers))
+            future = self._client.submit(task, spec, block.start, len(block), key=key, pure=False)
+            pending[key] = future, block
+            future.add_done_callback(self._back.put)
+
+        return submit
+
+    def _back_from(self, pending: dict[Any, tuple[Any, range]]) -> tuple[range, Any]:
+        """Return the next block that is back, and its result; None: its workers died."""
+        while True:
+            future = self._next()
+            if future.key in pending:  # not of a map that was given up
+                return pending.pop(future.key)[1], _result(future)
 
     def threads(self) -> int:
         """Return how many flights can be flown at once."""
@@ -113,25 +126,6 @@ class Engine:
         self.threads()
         if time.monotonic() - self._seen > _PATIENCE:
             raise SchedulerLost(_lost("the scheduler", f"has had no worker for {_PATIENCE:g} s"))
-
-    def _halves(self, future: Any, block: range) -> list[range]:
-        """Return the block if it is done, or its halves if it ended worker after worker."""
-        from distributed import KilledWorker
-
-        if future.status == "finished":
-            return [block]
-        if future.status != "error":
-            raise SchedulerLost(_lost("the scheduler", "has given up what it was asked for"))
-        error = future.exception()
-        if isinstance(error, KilledWorker):
-            middle = (len(block) + 1) // 2
-            return [half for half in (block[:middle], block[middle:]) if half]
-        if isinstance(error, ImportError | AttributeError):
-            raise ParameterError(
-                f"worker: received {error}; required this version of spacecraft_gnc with its extra "
-                "'campaign' on every worker; install it there"
-            ) from error
-        raise error if isinstance(error, GncError) else RuntimeError(str(error)) from error
 
 
 class BlockSize:
@@ -160,6 +154,35 @@ class BlockSize:
         bounds = (wanted, share, self._largest, _GROWTH * max(self._last, 1))
         self._last = max(1, min(bounds))
         return self._last
+
+
+def _taken(left: list[range], size: int) -> range:
+    """Take the next block off the end of what is left."""
+    runs = left.pop()
+    if len(runs) > size:
+        left.append(runs[size:])
+    return runs[:size]
+
+
+def _result(future: Any) -> Any:
+    """Return what a task returned; None if one worker after the other died of it."""
+    from concurrent.futures import CancelledError
+
+    from distributed import KilledWorker
+
+    try:
+        return future.result()
+    except KilledWorker:
+        return None
+    except GncError:
+        raise
+    except CancelledError as error:
+        raise SchedulerLost(_lost("the scheduler", "has given up what it was asked for")) from error
+    except (ImportError, AttributeError) as error:
+        raise ParameterError(
+            f"worker: received {error}; required this version of spacecraft_gnc with its extra "
+            "'campaign' on every worker; install it there"
+        ) from error
 
 
 def _lost(what: str, happened: str) -> str:

@@ -152,14 +152,16 @@ def _fly(
 ) -> Keeping:
     """Fly what is missing and keep what is to be kept; tell how to go on after Ctrl-C."""
     from spacecraft_gnc.campaign.cluster import connected
-    from spacecraft_gnc.campaign.driver import fly_missing, keep_flights
+    from spacecraft_gnc.campaign.driver import fly_missing, keep_flights, kept_before
     from spacecraft_gnc.campaign.engine import Engine
 
+    if found.is_complete and (keeping := kept_before(found, keep, keep_failed)):
+        return keeping
     try:
         with connected(workers, scheduler) as client:
             engine = Engine(client)
             with show_progress("flying", silent=silent) as show:
-                fly_missing(found, engine, _Rate(show, found))
+                fly_missing(found, engine, _Rate(show))
             with show_progress("keeping flights", silent=silent) as show:
                 return keep_flights(found, engine, keep, keep_failed, show)
     except KeyboardInterrupt:
@@ -173,19 +175,22 @@ def _fly(
 
 
 class _Rate:
-    """Shows how fast the runs are flown, and how they end."""
+    """Shows how fast the runs are flown, and how they end; the start of the workers left out."""
 
-    def __init__(self, show: Progress, found: Campaign) -> None:
+    def __init__(self, show: Progress) -> None:
         self._show = show
-        self._begun = time.perf_counter()
-        self._before = sum(map(len, found.done))
+        self._first: tuple[int, float] | None = None
 
     def __call__(self, done: int, total: int, counts: Counter[str]) -> None:
         """Show it."""
-        rate = (done - self._before) / (time.perf_counter() - self._begun)
-        failed = done - counts[_PASSED]
-        left = timedelta(seconds=round((total - done) / rate))
-        self._show(done, total, f"{rate:.3g}/s, {failed} not passed, {left} left")
+        now, passed = time.perf_counter(), counts[_PASSED]
+        self._first = before, begun = self._first or (done, now)
+        told = f"{passed} passed, {done - passed} failed"
+        if done > before:
+            rate = (done - before) / (now - begun)
+            left = timedelta(seconds=round((total - done) / rate))
+            told = f"{rate:.3g}/s, {told}, {left} left"
+        self._show(done, total, told)
 
 
 def _tell(found: Campaign, summary: dict[str, Any], *, as_json: bool, quiet: bool) -> None:

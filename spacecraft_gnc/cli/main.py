@@ -38,11 +38,11 @@ COMMANDS: Final = {
         f"{_PACKAGE}.launch:launch", "Fly a scenario as a ROS 2 graph and record it."
     ),
     "simulate": _Command(f"{_PACKAGE}.simulate:simulate", "Fly a scenario without ROS."),
-    "campaign": _Command(
-        f"{_PACKAGE}.campaign:campaign", "Fly a scenario many times, varied; count what succeeds."
-    ),
     "check": _Command(
         f"{_PACKAGE}.check:check", "Check a scenario file; list every problem at once."
+    ),
+    "campaign": _Command(
+        f"{_PACKAGE}.campaign:campaign", "Fly a scenario many times, varied; count what succeeds."
     ),
     "report": _Command(
         f"{_PACKAGE}.report:report", "Write one HTML page about a flight, or several side by side."

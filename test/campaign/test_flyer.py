@@ -29,7 +29,7 @@ def test_a_run_is_the_flight_of_its_overrides(spec) -> None:
     assert list(row)[:5] == ["run", "status", "passed", "reason", "plant.initial_rotation_vector"]
     assert list(row)[-1] == "wall_time"
     assert row["plant.inertia"] == alone.plant.inertia.ravel().tolist()
-    assert row["status"] == ("passed" if row["final_error_deg"] < 25 else "failed")
+    assert row["status"] == ("passed" if row["final_error_deg"] < 15 else "failed")
 
 
 def test_a_run_has_its_seed_and_depends_on_no_other_run(spec, make_spec) -> None:
