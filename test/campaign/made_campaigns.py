@@ -71,6 +71,7 @@ def rows(n, metrics=4):
         "final_error_deg": pa.array(error, mask=~ended),
         "settle_time_0.1deg": pa.array(settled, mask=~settles),
         "error_to": pa.array(np.where(run % 2, "target", "reference"), mask=~ended),
+        "limits_exceeded": [f"zone sun by {k}.5 deg" if k < 100 else None for k in run],
         "min_zone_margin_deg": pa.nulls(n, pa.float64()),
     }
     for k in range(metrics):

@@ -194,6 +194,7 @@ def test_what_has_no_diagram_is_told(campaign):
     assert data.undrawn["min_zone_margin_deg"] == "no value in any run"
     assert "different texts" in data.undrawn["scenario_hash"]
     assert set(data.words["error_to"]) == {"reference", "target"}
+    assert data.words["limits_exceeded"] == {"zone sun by # deg": 100}
 
 
 def test_the_page_of_many_runs_and_columns_stays_small(tmp_path):
@@ -216,7 +217,7 @@ def test_a_campaign_that_is_not_complete_says_so(tmp_path):
 
 def test_a_design_that_is_not_random_says_so(tmp_path):
     campaign = made(tmp_path / "sobol", variations=f"sampling: sobol\n{VARIATIONS}")
-    assert "the sampling is sobol" in Report(report_html(campaign)).text
+    assert "a design of sampling sobol" in Report(report_html(campaign)).text
 
 
 def test_a_campaign_without_results_is_refused(tmp_path):

@@ -25,6 +25,7 @@ MOST_PAIRS: Final = 300
 FOR_RATES: Final = 3
 """Bins of a histogram that a success rate is of, and of a map of success rates."""
 FOR_DENSITY: Final = 2
+_NARROW: Final = 1e-3
 _LINE: Final = 40  # letters of a line of an axis title
 _OTHERS, _PASSED = 0, 1  # as `statistics.tally` counts
 
@@ -93,7 +94,9 @@ def value_axis(name: str, binning: Binning) -> dict[str, Any]:
     ends = binning.edges[[0, -1]]
     if binning.is_log:
         return log_axis(title, range=np.log10(ends).tolist(), hoverformat=".4g", nticks=6)
-    return axis(title, range=ends.tolist(), hoverformat=".4g", nticks=7)
+    is_narrow = np.ptp(ends) < _NARROW * np.abs(ends).max()  # its numbers have many digits
+    options = {"nticks": 3 if is_narrow else 7, "tickangle": 0}
+    return axis(title, range=ends.tolist(), hoverformat=".10g" if is_narrow else ".4g", **options)
 
 
 def rate_charts(parameters: Sequence[tuple[Column, float]], data: Data) -> Iterator[Chart]:

@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.campaign import statistics as stats
 from spacecraft_gnc.campaign.flyer import FAILED, HEAD, PASSED
-from spacecraft_gnc.campaign.report.failures import Group, Worst, groups, word_counts, worst_runs
+from spacecraft_gnc.campaign.report.failures import (
+    Group,
+    Worst,
+    groups,
+    without_numbers,
+    word_counts,
+    worst_runs,
+)
 from spacecraft_gnc.campaign.report.features import Feature, features, numbers
 from spacecraft_gnc.campaign.statistics import Binning, Coded
 from spacecraft_gnc.errors import RecordingError
@@ -63,7 +70,7 @@ class Data:
     undrawn
         What is told of the columns that no diagram shows, by name: their one value, mostly.
     words
-        Counts of the texts of each metric that has few different ones.
+        Counts of the texts of each metric that has few different ones, # for numbers.
     groups, worst
         Runs that did not pass, by reason, and the worst ones of each metric of the criterion.
     """
@@ -151,7 +158,7 @@ class _Columns:
             for feature in features(name, values):
                 self._add_numbers(feature, name, is_parameter=is_parameter)
             return
-        column = texts(column)
+        column = texts(column) if is_parameter else without_numbers(texts(column))
         counts = word_counts(column)
         missing = len(column) - sum(counts.values())
         if not counts:

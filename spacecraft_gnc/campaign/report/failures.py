@@ -90,6 +90,11 @@ def word_counts(column: Any) -> dict[str, int]:
     return dict(sorted(pairs, key=lambda each: (-each[1], each[0])))
 
 
+def without_numbers(column: Any) -> Any:
+    """Return an Arrow column of texts with # for every number in them."""
+    return pc.replace_substring_regex(column, _NUMBER, "#")
+
+
 def groups(campaign: Campaign) -> Iterator[Group]:
     """Yield what became of the runs that did not pass, the largest group first.
 
@@ -97,9 +102,9 @@ def groups(campaign: Campaign) -> Iterator[Group]:
     criterion that they do not meet.
     """
     table = _with_reasons(campaign)
-    forms = pc.replace_substring_regex(table["reason"], _NUMBER, "#")
-    is_number_told = pc.equal(table["status"], FAILED)  # of the criterion: its own limits
-    table = table.append_column("form", pc.if_else(is_number_told, table["reason"], forms))
+    is_criterion = pc.equal(table["status"], FAILED)  # whose numbers are its own
+    forms = pc.if_else(is_criterion, table["reason"], without_numbers(table["reason"]))
+    table = table.append_column("form", forms)
     found = table.group_by(["status", "form"]).aggregate([("run", "count"), ("run", "min")])
     by_size = sorted(found.to_pylist(), key=lambda each: (-each["run_count"], each["run_min"]))
     for each in by_size[:MOST_GROUPS]:

@@ -76,8 +76,8 @@ def _warnings(campaign: Campaign, data: Data) -> Iterator[str]:
         )
     if spec.variations.sampling != "random":
         yield (
-            f"the sampling is {spec.variations.sampling}: its runs are not independent, for which "
-            "alone the intervals are exact"
+            "the intervals are exact for independent runs; those of a design of sampling "
+            f"{spec.variations.sampling} are not independent"
         )
     if len(data.metrics) > charts.MOST_CHARTS:
         yield f"of {len(data.metrics)} metrics the first {charts.MOST_CHARTS} are drawn"
