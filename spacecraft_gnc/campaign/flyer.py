@@ -107,6 +107,10 @@ class Flyer:
         """Return the row of a run that cannot be flown at all."""
         return self._row(run, self.overrides(run), ERROR, reason)
 
+    def row_of(self, run: int, flight: Flight, scenario: Scenario) -> dict[str, Any]:
+        """Return the row of a run that was flown elsewhere; it has no wall time."""
+        return self._row_of(run, self.overrides(run), flight, scenario)
+
     def _fly(self, run: int, values: Mapping[str, Value]) -> Flown:
         begun = perf_counter()
         flown = self._flown(run, values)
@@ -124,12 +128,17 @@ class Flyer:
             return Flown(self._row(run, values, ERROR, _reason(error)), None, scenario)
         try:
             flight = loop.run(timed=False)
-            metrics = dict(flat_metrics(summarize(flight, scenario)))
+            row = self._row_of(run, values, flight, scenario)
         except Exception as error:  # noqa: BLE001 - likewise
             return Flown(self._row(run, values, ERROR, _reason(error)), None, scenario)
-        passed = self.spec.variations.criterion.holds({**values, **metrics})
-        row = self._row(run, values, PASSED if passed else FAILED, None, metrics)
         return Flown(row, flight, scenario)
+
+    def _row_of(
+        self, run: int, values: Mapping[str, Value], flight: Flight, scenario: Scenario
+    ) -> dict[str, Any]:
+        metrics = dict(flat_metrics(summarize(flight, scenario)))
+        passed = self.spec.variations.criterion.holds({**values, **metrics})
+        return self._row(run, values, PASSED if passed else FAILED, None, metrics)
 
     def _row(
         self,
