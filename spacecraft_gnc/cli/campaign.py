@@ -1,4 +1,7 @@
-"""``gnc campaign``: many flights of one scenario, and what came of them."""
+"""``gnc campaign``: many flights of one scenario, and what came of them.
+
+Its first word is that of a scenario, which is flown, or of a further command.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,24 @@ from collections import Counter
 from collections.abc import Sequence
 from datetime import timedelta
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import typer
 
 from spacecraft_gnc.arguments import as_count
+from spacecraft_gnc.cli._campaign_options import (
+    KeepFailedOption,
+    KeepOption,
+    OutOption,
+    RunsOption,
+    SchedulerOption,
+    SeedOption,
+    SpotCheckOption,
+    VariationsArgument,
+    WorkersOption,
+)
+from spacecraft_gnc.cli._campaign_report import report
+from spacecraft_gnc.cli._campaign_rerun import rerun
 from spacecraft_gnc.cli._common import (
     JsonOption,
     QuietOption,
@@ -20,72 +36,28 @@ from spacecraft_gnc.cli._common import (
     ScenarioArgument,
     SetOption,
     SpacecraftOption,
+    json_able,
     print_json,
     print_table,
     require_folder,
     tell_warnings,
 )
+from spacecraft_gnc.cli._help import App, Command, Group
 from spacecraft_gnc.cli._progress import Progress, show_progress
 from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.extras import require_ros
 
 if TYPE_CHECKING:
     from spacecraft_gnc.campaign.driver import Keeping
     from spacecraft_gnc.campaign.results import Campaign
+    from spacecraft_gnc.cli._campaign_graph import GraphRun
 
 _PASSED: Final = "passed"
 _INTERRUPTED: Final = 130  # as a shell reports SIGINT
 _FOLDER: Final = Path("runs", "campaigns")
 
-VariationsArgument = Annotated[
-    Path,
-    typer.Argument(
-        metavar="VARIATIONS.yaml",
-        readable=False,
-        help="What varies and what counts as success: a file, or the name of a shipped one.",
-    ),
-]
-RunsOption = Annotated[
-    int | None,
-    typer.Option("--runs", "-n", metavar="N", help="Number of runs.  [default: of the file]"),
-]
-SeedOption = Annotated[int, typer.Option("--seed", metavar="S", help="Master seed.")]
-OutOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--out",
-        "-o",
-        metavar="DIR",
-        help="New folder, or that of this campaign, which goes on.  "
-        "[default: runs/campaigns/VARIATIONS]",
-        show_default=False,
-    ),
-]
-WorkersOption = Annotated[
-    int | None,
-    typer.Option(
-        "--workers", "-w", metavar="N", help="Worker processes to start.  [default: one a core]"
-    ),
-]
-SchedulerOption = Annotated[
-    str | None,
-    typer.Option(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="Use the workers of this dask scheduler instead, such as tcp://127.0.0.1:8786.",
-    ),
-]
-KeepOption = Annotated[
-    int, typer.Option("--keep", metavar="N", min=0, help="Keep the flights of the first N runs.")
-]
-KeepFailedOption = Annotated[
-    int,
-    typer.Option(
-        "--keep-failed", metavar="N", min=0, help="Keep the flights of at most N failed runs."
-    ),
-]
 
-
-def campaign(
+def fly(
     scenario: ScenarioArgument,
     variations: VariationsArgument,
     runs: RunsOption = None,
@@ -96,6 +68,7 @@ def campaign(
     overrides: SetOption = None,
     keep: KeepOption = 0,
     keep_failed: KeepFailedOption = 100,
+    spot_check: SpotCheckOption = 0,
     namespace: SpacecraftOption = None,
     as_json: JsonOption = False,
     quiet: QuietOption = False,
@@ -113,13 +86,9 @@ def campaign(
     from spacecraft_gnc.plant.random_numbers import LARGEST_SEED
     from spacecraft_gnc.scenario import load
 
-    if workers is not None and scheduler is not None:
-        raise ParameterError(
-            "--workers: received beside --scheduler; required one of them: a scheduler has workers "
-            "of its own; leave --workers out"
-        )
-    if workers is not None:
-        as_count("--workers", workers)
+    _require_one_source(workers, scheduler)
+    if spot_check:
+        require_ros()
     base = load(scenario, overrides or (), namespace)
     varied = load_variations(variations, base)
     seed = as_count("--seed", seed, least=0, most=LARGEST_SEED)
@@ -134,11 +103,24 @@ def campaign(
     found = Campaign.create(folder, spec)
     with exclusive(found):
         keeping = _fly(found, workers, scheduler, keep, keep_failed, silent=quiet)
+        checked = _spot_check(found, spot_check, silent=quiet) if spot_check else ()
         summary = summarize(found, keeping)
+        if checked:
+            summary["spot_checks"] = json_able([each.as_dict() for each in checked])
         found.write_summary(summary)
     _tell(found, summary, as_json=as_json, quiet=quiet)
-    if keeping.mismatches:
-        raise RunFailed(_mismatch(keeping.mismatches))
+    _require_same(keeping, checked)
+
+
+def _require_one_source(workers: int | None, scheduler: str | None) -> None:
+    if workers is None:
+        return
+    as_count("--workers", workers)
+    if scheduler is not None:
+        raise ParameterError(
+            "--workers: received beside --scheduler; required one of them: a scheduler has workers "
+            "of its own; leave --workers out"
+        )
 
 
 def _fly(
@@ -208,11 +190,70 @@ def _rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     kept = f"{len(summary['kept'])} flights"
     if summary["failed_not_kept"]:
         kept += f"; {summary['failed_not_kept']} more failed (--keep-failed)"
+    if "spot_checks" in summary:
+        same = sum(not each["problems"] for each in summary["spot_checks"])
+        told = f"{same} of {len(summary['spot_checks'])} the same bits in the graph"
+        rows.append(("spot checks", told))
     return [*rows, ("kept", kept)]
 
 
-def _mismatch(mismatches: Sequence[str]) -> str:
-    return (
-        f"flown again: {len(mismatches)} flights did not give their row ({mismatches[0]}); "
-        "required the same bits; compare the versions and processors of the workers"
-    )
+def _spot_check(found: Campaign, count: int, *, silent: bool) -> tuple[GraphRun, ...]:
+    from spacecraft_gnc.cli._campaign_graph import spot_check
+
+    return spot_check(found, count, silent=silent)
+
+
+def _require_same(keeping: Keeping, checked: Sequence[GraphRun]) -> None:
+    """End with 1 where a flight did not give its row again.
+
+    Raises
+    ------
+    RunFailed
+        With how many and the first of them.
+    """
+    from spacecraft_gnc.cli._campaign_graph import report_spot_checks
+
+    if keeping.mismatches:
+        raise RunFailed(
+            f"flown again: {len(keeping.mismatches)} flights did not give their row "
+            f"({keeping.mismatches[0]}); required the same bits; compare the versions and "
+            "processors of the workers"
+        )
+    if checked and not report_spot_checks(checked):
+        raise RunFailed(
+            f"spot check: {sum(bool(each.problems) for each in checked)} of {len(checked)} runs "
+            "differ in the graph; required the same bits; see the bags in spot_checks"
+        )
+
+
+class _Flying(Command):
+    """The command that flies, whose help lists the further ones."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the arguments, the options and the further commands."""
+        super().format_options(ctx, formatter)
+        with formatter.section("Commands"):
+            formatter.write_dl(list(_FURTHER.items()))
+
+
+class _Default(Group):
+    """A group that flies unless its first word is that of a command."""
+
+    def make_context(
+        self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any
+    ) -> Any:
+        """Return the context of the command that flies, or of the group."""
+        if args and args[0] in self.commands:
+            return super().make_context(info_name, args, parent, **extra)
+        app = App()
+        app.command(info_name, cls=_Flying)(fly)
+        return typer.main.get_command(app).make_context(info_name, args, parent, **extra)
+
+
+_FURTHER: Final = {
+    "report": "Write one HTML page about a campaign.",
+    "rerun": "Fly one run of a campaign again, alone or in the graph.",
+}
+campaign = App(cls=_Default)
+campaign.command("report")(report)
+campaign.command("rerun")(rerun)

@@ -49,6 +49,7 @@ def test_help_lists_every_command(capsys: pytest.CaptureFixture[str]) -> None:
 WORDS = [
     *((name,) for name in COMMANDS),
     *(("inspect", name) for name in INSPECT),
+    *(("campaign", name) for name in ("report", "rerun")),
     *(("inspect", "params", name) for name in ("list", "get", "set")),
 ]
 
@@ -68,6 +69,8 @@ def test_every_command_explains_itself(words, capsys, monkeypatch) -> None:
 
 def test_a_usage_line_shows_what_may_be_left_out(capsys) -> None:
     usages = {
+        ("campaign",): "Usage: gnc campaign [OPTIONS] SCENARIO.yaml VARIATIONS.yaml",
+        ("campaign", "report"): "Usage: gnc campaign report [OPTIONS] DIR",
         ("check",): "Usage: gnc check [OPTIONS] SCENARIO.yaml",
         ("plot",): "Usage: gnc plot [OPTIONS] RUN...",
         ("view",): "Usage: gnc view [OPTIONS] [BAG|FILE.npz]",
@@ -103,6 +106,8 @@ REFUSED = {
     "see gnc view --help",
     ("plot", "x", "-f", "gif"): "gnc plot: '--format' / '-f': received 'gif'; required one of "
     "'png', 'svg', 'pdf'; see gnc plot --help",
+    ("campaign", "a.yaml"): "gnc campaign: missing argument 'VARIATIONS.yaml'; "
+    "see gnc campaign --help",
     ("inspect", "nodez"): "gnc inspect: no such command 'nodez'. Did you mean 'nodes'? "
     "See gnc inspect --help",
 }
@@ -143,6 +148,8 @@ def test_commands_are_completed_without_importing_one(monkeypatch, capsys) -> No
 def test_the_words_of_a_command_are_completed(monkeypatch, capsys) -> None:
     assert "--out" in completed("gnc simulate --", monkeypatch, capsys)
     assert completed("gnc export x -f p", monkeypatch, capsys) == ["parquet"]
+    assert "--workers" in completed("gnc campaign --", monkeypatch, capsys)
+    assert "--png" in completed("gnc campaign report --", monkeypatch, capsys)
     assert completed("gnc inspect w", monkeypatch, capsys) == ["watch"]
     assert "--domain-id" in completed("gnc inspect params get --", monkeypatch, capsys)
 
