@@ -16,11 +16,16 @@ from matplotlib.image import imread
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.campaign.report import read_data, report_html
-from spacecraft_gnc.campaign.report.charts import MOST_CHARTS, MOST_PAIRS, MOST_PARAMETERS
+from spacecraft_gnc.campaign.report.charts import (
+    MOST_CHARTS,
+    MOST_PAIRS,
+    MOST_PARAMETERS,
+    value_axis,
+)
 from spacecraft_gnc.campaign.report.failures import clauses_of
 from spacecraft_gnc.campaign.report.features import features
 from spacecraft_gnc.campaign.report.features import numbers as column_numbers
-from spacecraft_gnc.campaign.statistics import clopper_pearson
+from spacecraft_gnc.campaign.statistics import binning, clopper_pearson
 from spacecraft_gnc.cli.main import COMMANDS, main
 from spacecraft_gnc.errors import RecordingError
 
@@ -236,6 +241,15 @@ def test_the_parts_of_a_criterion_are_as_they_are_written():
     text = '(a < 1 or b > 2) and "zone.x" > 0 and not c == 1'
     assert clauses_of(text) == ["a < 1 or b > 2", '"zone.x" > 0', "not c == 1"]
     assert clauses_of(" a < 1 or b > 2") == ["a < 1 or b > 2"]
+
+
+def test_numbers_that_differ_late_have_two_ticks_with_their_digits():
+    values = np.linspace(0.01000000121, 0.01000003323, 500)
+    axis = value_axis("max_torque", binning(values))
+    assert len(axis["tickvals"]) == 2
+    np.testing.assert_allclose([float(text) for text in axis["ticktext"]], axis["tickvals"], 1e-9)
+    assert len(set(axis["ticktext"])) == 2
+    assert "tickvals" not in value_axis("cost", binning(values * np.arange(500)))
 
 
 def named(name, values):

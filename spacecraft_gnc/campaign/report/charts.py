@@ -94,9 +94,12 @@ def value_axis(name: str, binning: Binning) -> dict[str, Any]:
     ends = binning.edges[[0, -1]]
     if binning.is_log:
         return log_axis(title, range=np.log10(ends).tolist(), hoverformat=".4g", nticks=6)
-    is_narrow = np.ptp(ends) < _NARROW * np.abs(ends).max()  # its numbers have many digits
-    options = {"nticks": 3 if is_narrow else 7, "tickangle": 0}
-    return axis(title, range=ends.tolist(), hoverformat=".10g" if is_narrow else ".4g", **options)
+    options: dict[str, Any] = {"range": ends.tolist(), "hoverformat": ".4g", "nticks": 5}
+    if np.ptp(ends) < _NARROW * np.abs(ends).max():  # numbers of many digits: no room for more
+        ticks = (ends[0] + np.ptp(ends) * np.array([0.2, 0.8])).tolist()
+        told = [f"{tick:.10g}" for tick in ticks]
+        options |= {"tickvals": ticks, "ticktext": told, "hoverformat": ".10g"}
+    return axis(title, tickangle=0, **options)
 
 
 def rate_charts(parameters: Sequence[tuple[Column, float]], data: Data) -> Iterator[Chart]:
