@@ -9,6 +9,7 @@ from small torques and from a sky without zones; they come from measurement (doc
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -54,7 +55,32 @@ class Continuation(Protocol):
         """Solve from a state."""
 
 
-class PenaltyContinuation:
+class _Series(ABC):
+    """Problems that lead to one another; most flights need none, so they are made when used.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+        The last of them.
+    options : ShootingOptions, optional
+    """
+
+    patience: float = math.inf
+
+    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
+        self._ocp, self._options = require_kind("ocp", ocp, AttitudeOcp), options
+
+    @cached_property
+    def _solvers(self) -> Sequence[ShootingSolver]:
+        easier = self._easier()
+        return [ShootingSolver(ocp, options=self._options) for ocp in (*easier, self._ocp)]
+
+    @abstractmethod
+    def _easier(self) -> Iterable[AttitudeOcp]:
+        """Return those before the last, the easiest first."""
+
+
+class PenaltyContinuation(_Series):
     """Solve with soft penalties first, and harden them step by step.
 
     Parameters
@@ -63,17 +89,11 @@ class PenaltyContinuation:
     options : ShootingOptions, optional
     """
 
-    patience: float = math.inf
-
-    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        require_kind("ocp", ocp, AttitudeOcp)
+    def _easier(self) -> Iterable[AttitudeOcp]:
         shares = [1.0]
-        while _is_penalized(ocp) and shares[-1] > SMALLEST_SHARE * FACTOR:
+        while _is_penalized(self._ocp) and shares[-1] > SMALLEST_SHARE * FACTOR:
             shares.append(shares[-1] / FACTOR)
-        self._solvers = [
-            ShootingSolver(_softened(ocp, share) if share < 1.0 else ocp, options=options)
-            for share in reversed(shares)
-        ]
+        return [_softened(self._ocp, share) for share in reversed(shares[1:])]
 
     def solve(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
@@ -146,7 +166,7 @@ class StateContinuation:
                 return solution._replace(iterations=iterations)
 
 
-class HorizonContinuation:
+class HorizonContinuation(_Series):
     """Solve the first step alone, and double the horizon up to the whole.
 
     The steps that are added start from zero torque. A solve that fails so is tried cold.
@@ -157,13 +177,10 @@ class HorizonContinuation:
     options : ShootingOptions, optional
     """
 
-    patience: float = math.inf
-
-    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        horizon = require_kind("ocp", ocp, AttitudeOcp).horizon
-        horizons = [horizon >> i for i in range(horizon.bit_length() - 1, 0, -1)]
-        shorter = [ShootingSolver(replace(ocp, horizon=n), options=options) for n in horizons]
-        self._solvers = [*shorter, ShootingSolver(ocp, options=options)]
+    def _easier(self) -> Iterable[AttitudeOcp]:
+        horizon = self._ocp.horizon
+        horizons = (horizon >> i for i in range(horizon.bit_length() - 1, 0, -1))
+        return [replace(self._ocp, horizon=n) for n in horizons]
 
     def solve(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
@@ -183,7 +200,7 @@ class HorizonContinuation:
         return solution._replace(iterations=iterations)
 
 
-class EffortContinuation:
+class EffortContinuation(_Series):
     """Make torque dear first, so that little of it is used, and cheapen it step by step.
 
     The penalty of the torque limit grows with the weight, so that the multipliers of one problem,
@@ -195,12 +212,8 @@ class EffortContinuation:
     options : ShootingOptions, optional
     """
 
-    patience: float = math.inf
-
-    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        require_kind("ocp", ocp, AttitudeOcp)
-        dearer = [ShootingSolver(_dear(ocp, factor), options=options) for factor in EFFORTS[:-1]]
-        self._solvers = [*dearer, ShootingSolver(ocp, options=options)]
+    def _easier(self) -> Iterable[AttitudeOcp]:
+        return [_dear(self._ocp, factor) for factor in EFFORTS[:-1]]
 
     def solve(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
@@ -217,7 +230,7 @@ class EffortContinuation:
         return solution._replace(iterations=iterations)
 
 
-class OpenContinuation:
+class OpenContinuation(_Series):
     """Leave the zones out and move the initial state away from the target; then harden the zones.
 
     With zones, and near half a turn, the state also moves the other way round: the cheaper solution
@@ -229,19 +242,16 @@ class OpenContinuation:
     options : ShootingOptions, optional
     """
 
-    patience: float = math.inf
+    def _easier(self) -> Iterable[AttitudeOcp]:
+        shares = HARDENING[:-1] if self._ocp.zones else ()
+        return [_softer_zones(self._ocp, share) for share in shares]
 
-    def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        require_kind("ocp", ocp, AttitudeOcp)
-        open_sky = replace(ocp, zones=())
-        self._short_way = StateContinuation(open_sky, options)
-        self._long_way = StateContinuation(open_sky, options, long_way=True)
-        self._zones = len(ocp.zones) > 0
-        shares = HARDENING if ocp.zones else (1.0,)
-        softer = [
-            ShootingSolver(_softer_zones(ocp, share), options=options) for share in shares[:-1]
-        ]
-        self._solvers = [*softer, ShootingSolver(ocp, options=options)]
+    @cached_property
+    def _ways(self) -> tuple[StateContinuation, StateContinuation]:
+        """The short and the long way, without zones."""
+        open_sky, options = replace(self._ocp, zones=()), self._options
+        long = StateContinuation(open_sky, options, long_way=True)
+        return StateContinuation(open_sky, options), long
 
     def solve(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
@@ -249,8 +259,8 @@ class OpenContinuation:
         """Return the solution with all zones; its ``iterations`` count all steps made."""
         target = as_reference(reference)
         problem = (as_rotation("attitude", attitude), as_vector3("momentum", momentum), target)
-        both = self._zones or lie.angle_between(target.attitude, problem[0]) > NEAR_HALF_TURN
-        ways = (self._short_way, self._long_way) if both else (self._short_way,)
+        angle = lie.angle_between(target.attitude, problem[0])
+        ways = self._ways if self._ocp.zones or angle > NEAR_HALF_TURN else self._ways[:1]
         return cheapest(self._hardened(way.solve(*problem), problem) for way in ways)
 
     def _hardened(self, found: Solution, problem: tuple[Matrix3, Vector3, Reference]) -> Solution:
@@ -268,8 +278,6 @@ class AutomaticContinuation:
     The last is left out over more than 60 steps, where it takes seconds. Where all fail, the
     penalties are softened, if there are any, and then the state is moved.
 
-    Its dozens of problems are made when the first of them is needed, as most flights need none.
-
     Parameters
     ----------
     ocp : AttitudeOcp
@@ -279,20 +287,14 @@ class AutomaticContinuation:
     patience: float = PATIENCE
 
     def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        self._problem = require_kind("ocp", ocp, AttitudeOcp), options
-
-    @cached_property
-    def _starts(self) -> tuple[Continuation, ...]:
-        ocp, options = self._problem
-        starts = HorizonContinuation(ocp, options), EffortContinuation(ocp, options)
-        return starts if ocp.horizon > LONG else (*starts, OpenContinuation(ocp, options))
-
-    @cached_property
-    def _further(self) -> tuple[Continuation, ...]:
-        """What is tried where all starts fail."""
-        ocp, options = self._problem
-        softer = (PenaltyContinuation(ocp, options),) if _is_penalized(ocp) else ()
-        return *softer, StateContinuation(ocp, options)
+        self._starts: tuple[Continuation, ...] = (
+            HorizonContinuation(ocp, options),
+            EffortContinuation(ocp, options),
+        )
+        if ocp.horizon <= LONG:
+            self._starts += (OpenContinuation(ocp, options),)
+        self._softer = (PenaltyContinuation(ocp, options),) if _is_penalized(ocp) else ()
+        self._nearer = StateContinuation(ocp, options)
 
     def solve(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
@@ -300,9 +302,7 @@ class AutomaticContinuation:
         """Return the cheapest solution found; its ``iterations`` count all steps made."""
         problem = (attitude, momentum, reference)
         found = cheapest(way.solve(*problem) for way in self._starts)
-        if found.converged:
-            return found
-        for way in self._further:
+        for way in (*self._softer, self._nearer):
             if not found.converged:
                 found = cheapest((found, way.solve(*problem)))
         return found
