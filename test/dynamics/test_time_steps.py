@@ -16,7 +16,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.dynamics._lgvi_kernels import propagate
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.solvability import largest_free_step, largest_step
+from spacecraft_gnc.solvability import is_surely_free, largest_free_step, largest_step
 
 DRAWS = 30 if os.environ.get("NUMBA_DISABLE_JIT") == "1" else 300  # minutes, interpreted
 STEPS = 5000
@@ -78,6 +78,20 @@ def test_it_lies_between_the_sphere_and_the_first_direction(inertia, direction, 
     sphere = 2.0 * np.linalg.eigvalsh(nonstandard)[0] / size
     free = largest_free_step(inertia, momentum)
     assert sphere * (1.0 - 1e-9) <= free <= largest_step(inertia, momentum) * (1.0 + 1e-9)
+
+
+@given(inertias(), unit_vectors(), st.floats(1e-6, 1e6), st.floats(0.5, 1.5))
+def test_what_surely_exists_exists(inertia, direction, size, share):
+    """A step of that share of the one that the sphere allows; beyond it, nothing is sure."""
+    momentum = size * direction
+    nonstandard = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+    step = share * 2.0 * float(np.linalg.eigvalsh(nonstandard)[0]) / size
+    if is_surely_free(inertia, momentum, step):
+        assert step <= largest_free_step(inertia, momentum)
+        assert RigidBody(inertia, step).is_solvable(momentum)
+    else:
+        assert share > 1.0 - 1e-6
+    assert is_surely_free(inertia, ZERO, step)
 
 
 @given(rotations(), unit_vectors(), st.sampled_from([0.5, 0.9, 1.5]))
