@@ -10,7 +10,7 @@ times of the process: other work on the machine counts little.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from time import process_time
 from typing import Any, Final, NamedTuple
 
@@ -24,6 +24,15 @@ SEED: Final = 1
 LARGEST_ANGLE: Final = 1.5  # [rad], which every flight of Case I has the time for
 LARGEST_MOMENTUM: Final = 5e-3  # [N m s]
 SPREAD: Final = 0.1  # of the principal moments
+NAMES: Final = (
+    "scenario of the template",
+    "cores built",
+    "flown at once",
+    "metrics",
+    "all of these",
+    "(scenario read by `load`)",
+    "(flown step by step)",
+)
 
 
 class Part(NamedTuple):
@@ -55,37 +64,45 @@ def variations(scenario: str, n: int) -> Iterator[dict[str, Any]]:
         }
 
 
-def timed(work: Callable[[], Any]) -> tuple[Any, float]:
-    """Return what a call returns, and its CPU time [s]."""
-    started = process_time()
-    result = work()
-    return result, process_time() - started
+class Clock:
+    """Notes the CPU times between calls."""
+
+    def __init__(self) -> None:
+        self.times: list[float] = []
+        self._last = process_time()
+
+    def note(self) -> None:
+        """Note the time since the last call [s]."""
+        now = process_time()
+        self.times.append(now - self._last)
+        self._last = now
 
 
 def parts(scenario: str, n: int) -> list[Part]:
-    """Fly n times and return what each part took."""
-    template, rows = Template(scenario), []
-    for overrides in variations(scenario, n):
-        made, t_made = timed(lambda o=overrides: template.scenario(o))  # type: ignore[misc]
-        loop, t_built = timed(made.build)
-        flight, t_flown = timed(lambda fly=loop.run: fly(timed=False))  # type: ignore[misc]
-        _, t_told = timed(lambda f=flight, s=made: summarize(f, s))  # type: ignore[misc]
-        _, t_loaded = timed(lambda o=overrides: load(scenario, o))  # type: ignore[misc]
-        _, t_single = timed(loop.run)
-        total = t_made + t_built + t_flown + t_told
-        rows.append((t_made, t_built, t_flown, t_told, total, t_loaded, t_single))
-    names = (
-        "scenario of the template",
-        "cores built",
-        "flown at once",
-        "metrics",
-        "all of these",
-        "(scenario read by `load`)",
-        "(flown step by step)",
-    )
-    return [
-        Part(*each) for each in zip(names, np.array(rows[1:]).T, strict=True)
-    ]  # the first: warm
+    """Fly n times and return what each part took; the last two parts by themselves."""
+    template, flown, otherwise = Template(scenario), [], []
+    for overrides in variations(scenario, n + 1):
+        clock = Clock()
+        made = template.scenario(overrides)
+        clock.note()
+        loop = made.build()
+        clock.note()
+        flight = loop.run(timed=False)
+        clock.note()
+        summarize(flight, made)
+        clock.note()
+        flown.append([*clock.times, sum(clock.times)])
+    for overrides in variations(scenario, n + 1):
+        clock = Clock()
+        made = load(scenario, overrides)
+        clock.note()
+        loop = made.build()
+        clock.note()
+        loop.run()
+        clock.note()
+        otherwise.append(clock.times[::2])
+    times = np.hstack([flown, otherwise])[1:]  # the first ones load the kernels
+    return [Part(*each) for each in zip(NAMES, times.T, strict=True)]
 
 
 def main() -> int:
@@ -93,7 +110,7 @@ def main() -> int:
     given = sys.argv[1:]
     scenario, n = (given[0] if given else "gupta2015_case1"), int(given[1]) if given[1:] else 200
     print(f"{n} flights of {scenario}: CPU time of each part, median and 99 % [ms]")
-    table = parts(scenario, n + 1)
+    table = parts(scenario, n)
     for part in table:
         print(part)
     print(f"{1.0 / np.median(table[4].times):.0f} flights/s on one core")

@@ -12,7 +12,7 @@ SCENARIO = "gupta2015_case1"
 
 
 def test_every_part_of_every_flight_is_timed():
-    found = PARTS["parts"](SCENARIO, 3)
+    found = PARTS["parts"](SCENARIO, 2)
     assert all(part.times.shape == (2,) and (part.times > 0.0).all() for part in found)
     times = [part.times for part in found]
     np.testing.assert_allclose(times[4], sum(times[:4]))
