@@ -170,16 +170,16 @@ def as_inertia(name: str, value: ArrayLike) -> Matrix3:
     """
     inertia = as_symmetric(name, value)
     moments = np.linalg.eigvalsh(inertia)
-    signs = "" if (inertia == np.diag(np.diag(inertia))).all() else f" ({_PRODUCTS})"
     if moments[0] <= 0.0:
         raise ParameterError(
             f"{name}: received principal moments {listed(moments)}; required a positive definite "
-            f"matrix; check the signs and the row order{signs}"
+            f"matrix; check the signs and the row order{_on_signs(inertia)}"
         )
     if moments[2] >= moments[0] + moments[1]:
         raise ParameterError(
             f"{name}: received principal moments {listed(moments)}; required each smaller than "
-            f"the sum of the other two (triangle inequality); check the largest one{signs}"
+            f"the sum of the other two (triangle inequality); check the largest one"
+            f"{_on_signs(inertia)}"
         )
     if moments[0] < MOMENTS[0] or moments[2] > MOMENTS[1]:
         raise ParameterError(
@@ -188,6 +188,11 @@ def as_inertia(name: str, value: ArrayLike) -> Matrix3:
             "and of the cost; check the unit"
         )
     return inertia
+
+
+def _on_signs(inertia: Matrix3) -> str:
+    """Return what to know of products of inertia; empty where there are none."""
+    return "" if (inertia == np.diag(np.diag(inertia))).all() else f" ({_PRODUCTS})"
 
 
 def as_semidefinite(name: str, value: ArrayLike) -> Matrix3:

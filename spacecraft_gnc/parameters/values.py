@@ -80,7 +80,7 @@ def admissible(spec: ParameterSpec, value: Value, coerce: bool, written: Written
     _check_words(spec, items)
     if not isinstance(typed, list) or spec.matrix is MatrixRule.NONE:
         _check_range(spec, items)
-    else:  # its rule decides on signs and zeros
+    elif any(map(spec.is_too_high, map(abs, items))):  # its rule decides on signs and zeros
         _check_range(dataclasses.replace(spec, minimum=None, above=None), [*map(abs, items)])
     if isinstance(typed, list) and typed:
         _check_vector(spec, typed)
@@ -184,9 +184,11 @@ def _check_words(spec: ParameterSpec, items: list[Any]) -> None:
 
 
 def _check_range(spec: ParameterSpec, items: list[Any]) -> None:
+    lowest, highest = spec.lowest, spec.highest
     for item in items:
-        if spec.is_too_low(item) or spec.is_too_high(item):
-            remedy = "raise it" if spec.is_too_low(item) else "lower it"
+        too_low = lowest is not None and item < lowest
+        if too_low or (highest is not None and item > highest):
+            remedy = "raise it" if too_low else "lower it"
             raise Refusal(shown(item), spec.requirement, f"{remedy} ({spec.range_text})")
 
 
