@@ -17,12 +17,11 @@ from spacecraft_gnc.scenario.checks import check_all
 from spacecraft_gnc.scenario.checks_reads import unread_by
 from spacecraft_gnc.scenario.defaults import Stated, fill_in
 from spacecraft_gnc.scenario.node_sections import (
-    ROOT,
     add_file,
     given_to,
     namespace_of,
     nodes_in,
-    unread,
+    nodes_of_one,
     vehicle_in,
 )
 from spacecraft_gnc.scenario.overrides import Overrides, apply
@@ -68,15 +67,6 @@ def load_one(
     nodes, agent, warnings = nodes_of_one(sections, file, namespace)
     laid_over = apply(overrides, problems, [agent])[agent]
     return load_nodes(sections, nodes, file, problems, laid_over, warnings)
-
-
-def nodes_of_one(
-    sections: Sections, file: str, namespace: str | None = None
-) -> tuple[Mapping[str, str], str, Sequence[str]]:
-    """Return the nodes of one vehicle by full name, its agent, and what a file says in vain."""
-    where = namespace_of(sections, file) if namespace is None else namespace
-    nodes = nodes_in(sections, where)
-    return nodes, where.strip("/"), _warnings(sections, nodes, file)
 
 
 def load_nodes(
@@ -240,14 +230,6 @@ def _entries(values: Mapping[str, Any], source: str) -> dict[str, Entry]:
         for name, value in flatten(values).items()
         if value is not None
     }
-
-
-def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[str]:
-    """Name the sections that no node reads."""
-    names = ", ".join(unread(sections, nodes))
-    controller = next(name for name, role in nodes.items() if role == _CONTROLLER)
-    namespace = controller.rpartition("/")[0] or ROOT
-    return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []
 
 
 def _leave_out_unread(vehicle: Vehicle, given: Given, file: str) -> list[str]:

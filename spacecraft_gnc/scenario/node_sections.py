@@ -182,6 +182,15 @@ def namespace_of(sections: Sections, file: str, wanted: str | None = None) -> st
     raise InvalidScenario([Problem(file, None, "", what, "one", "name it with --namespace")])
 
 
+def nodes_of_one(
+    sections: Sections, file: str, namespace: str | None = None
+) -> tuple[dict[str, str], str, list[str]]:
+    """Return the nodes of one vehicle by full name, its agent, and what a file says in vain."""
+    where = namespace_of(sections, file) if namespace is None else namespace
+    nodes = nodes_in(sections, where)
+    return nodes, where.strip("/"), _warnings(sections, nodes, file)
+
+
 def add_file(sections: Sections, path: Path, text: str | None = None) -> None:
     """Lay the values of a parameter file, or of its ``text``, over sections, as ROS 2 does.
 
@@ -210,6 +219,14 @@ def add_option(sections: Sections, option: str) -> None:
 
 def _knows(schema: Schema, role: str, name: str, entry: Entry) -> bool:
     return schema.is_ros_own(role, name) or schema.spec_of(role, name, entry.value) is not None
+
+
+def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[str]:
+    """Name the sections that no node reads."""
+    names = ", ".join(unread(sections, nodes))
+    controller = next(name for name, role in nodes.items() if role == CONTROLLER)
+    namespace = controller.rpartition("/")[0] or ROOT
+    return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []
 
 
 def _literal_namespace(pattern: str) -> str | None:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from spacecraft_gnc.arguments import require_path
 from spacecraft_gnc.parameters.yaml_file import read
-from spacecraft_gnc.scenario.load import lay_over, load_nodes, nodes_of_one
+from spacecraft_gnc.scenario.load import lay_over, load_nodes
+from spacecraft_gnc.scenario.node_sections import nodes_of_one
 from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.scenario.schema import ROLES

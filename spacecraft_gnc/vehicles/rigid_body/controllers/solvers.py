@@ -139,8 +139,7 @@ class SolverController:
         finding = self._monitor.examine(solution)
         if finding is None:
             return command
-        report = SolveReport(solution, finding.standstill)
-        return Command(finding.torque, command.source, report)
+        return Command(finding.torque, command.source, SolveReport(solution, finding.standstill))
 
     def solve(
         self, state: State, reference: Reference, warm_start: Array | None
