@@ -39,3 +39,8 @@ def rows_of_a_worker_that_is_killed_once(spec: Spec, first: int, count: int) -> 
         os.kill(os.getpid(), signal.SIGKILL)
         time.sleep(60.0)  # until it is carried out
     return rows
+
+
+def periodic_callbacks(dask_worker) -> list[str]:
+    """Return what a worker does every now and then beside its tasks."""
+    return list(dask_worker.periodic_callbacks)

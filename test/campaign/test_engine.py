@@ -34,6 +34,14 @@ def test_every_run_comes_back_once(client, spec) -> None:
     assert len({block.result[1] for block in blocks}) == 2, "both workers fly"
 
 
+def test_a_worker_does_not_keep_profiles_of_itself(client) -> None:
+    """They would grow by 0.1 MB a second, for an hour."""
+    told = client.run(campaign_tasks.periodic_callbacks)
+    assert len(told) == 2
+    assert all("heartbeat" in names for names in told.values())
+    assert not [name for names in told.values() for name in names if "profile" in name]
+
+
 def test_nothing_to_fly(client, spec) -> None:
     assert list(Engine(client).map(campaign_tasks.runs_and_process, spec, [])) == []
 
