@@ -19,6 +19,15 @@ _CONNECTING: Final = 5.0  # wall time until a scheduler has to answer [s]
 _GATHERING: Final = 10.0  # wall time until it has to have a worker [s]
 _CLOSING: Final = 5.0  # wall time until workers have to be gone [s]
 _LOGGERS: Final = ("distributed", "tornado", "tornado.application", "asyncio")
+_LEAN: Final = {
+    "distributed.worker.profile.enabled": False,  # else it samples the stack 100 times a second
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.low-level-log-length": 100,
+    "distributed.scheduler.active-memory-manager.start": False,
+    "distributed.scheduler.work-stealing": False,
+}
+"""Settings of a cluster of our own; each only costs time and memory where blocks are alike."""
 _ONE_THREAD: Final = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
 )
@@ -53,11 +62,8 @@ def _local(workers: int | None) -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
     with tempfile.TemporaryDirectory(prefix="gnc-campaign-") as folder:
-        settings = {
-            "distributed.nanny.pre-spawn-environ": {SILENT_COMPILER: "1", **_ONE_THREAD},
-            "distributed.worker.profile.enabled": False,  # keeps 0.1 MB of stacks a second
-        }
-        with dask.config.set({"temporary-directory": folder, **settings}):
+        environment = {"distributed.nanny.pre-spawn-environ": {SILENT_COMPILER: "1", **_ONE_THREAD}}
+        with dask.config.set({"temporary-directory": folder, **environment, **_LEAN}):
             with _interrupt_blocked():
                 cluster = LocalCluster(
                     n_workers=workers or len(os.sched_getaffinity(0)),
