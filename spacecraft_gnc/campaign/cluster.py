@@ -8,7 +8,8 @@ import signal
 import tempfile
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from multiprocessing import resource_tracker
 from typing import Any, Final
 
 from spacecraft_gnc import SILENT_COMPILER
@@ -18,7 +19,7 @@ from spacecraft_gnc.extras import explained_imports
 _CONNECTING: Final = 5.0  # wall time until a scheduler has to answer [s]
 _GATHERING: Final = 10.0  # wall time until it has to have a worker [s]
 _CLOSING: Final = 5.0  # wall time until workers have to be gone [s]
-_LOGGERS: Final = ("distributed", "tornado", "tornado.application", "asyncio")
+_LIBRARIES: Final = ("asyncio", "distributed", "tornado")  # whose loggers are silenced
 _LEAN: Final = {
     "distributed.worker.profile.enabled": False,  # else it samples the stack 100 times a second
     "distributed.admin.system-monitor.interval": "5s",
@@ -49,9 +50,9 @@ def connected(workers: int | None = None, scheduler: str | None = None) -> Itera
     ParameterError
         If the scheduler cannot be reached, or has no worker.
     """
-    _silence()
     with explained_imports():
         import distributed  # noqa: F401 - told in one line where it is missing
+    _silence()
     with _of_scheduler(scheduler) if scheduler is not None else _local(workers) as client:
         yield client
 
@@ -78,9 +79,20 @@ def _local(workers: int | None) -> Iterator[Any]:
                 client = Client(cluster)
             try:
                 yield client
+            except BaseException:
+                _kill_workers(cluster)  # rather than wait for the flights that they are at
+                raise
             finally:
                 client.close(_CLOSING)
-                cluster.close(_CLOSING)
+                with suppress(TimeoutError):  # on a busy machine; they end with this process
+                    cluster.close(_CLOSING)
+
+
+def _kill_workers(cluster: Any) -> None:
+    for nanny in list(cluster.workers.values()):
+        nanny.auto_restart = False
+        if nanny.pid:
+            os.kill(nanny.pid, signal.SIGKILL)
 
 
 @contextmanager
@@ -124,6 +136,7 @@ def _interrupt_blocked() -> Iterator[None]:
 
     It is for the main thread alone, which ends the workers in order.
     """
+    resource_tracker.ensure_running()  # for it unblocks the signal where it is started
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -133,9 +146,6 @@ def _interrupt_blocked() -> Iterator[None]:
 
 def _silence() -> None:
     """Keep the words of the libraries to themselves: what matters is told by this package."""
-    import dask
-
-    levels = dict.fromkeys(_LOGGERS, "critical")
-    dask.config.set({"logging": levels})
-    for name in _LOGGERS:
-        logging.getLogger(name).setLevel(logging.CRITICAL)
+    for name in list(logging.root.manager.loggerDict):
+        if name.partition(".")[0] in _LIBRARIES:
+            logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -170,3 +171,25 @@ def test_a_worker_of_another_version_is_refused(command, tmp_path, capsys) -> No
 def test_what_needs_an_extra_says_so(command, capsys, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "pip install 'spacecraft_gnc[campaign]'" in refused(capsys, *command)
+
+
+def test_ctrl_c_of_a_terminal_ends_every_process_in_order(variations, tmp_path) -> None:
+    """A terminal sends the signal to the workers as well."""
+    words = ["campaign", "gupta2015_case1", str(variations), "--runs", "100000", "--workers", "2"]
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # it may be ignored here
+    command = subprocess.Popen(
+        [sys.executable, "-m", "spacecraft_gnc", *words, "--out", str(tmp_path / "out"), *SET],
+        stderr=subprocess.PIPE, text=True, start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+    )  # fmt: skip
+    signal.signal(signal.SIGINT, before)
+    assert command.stderr is not None
+    first = command.stderr.readline()
+    assert re.fullmatch(r"(\S+/s, )?\d+ passed, \d+ failed(, \S+ left)?: \d+ of 100000\n", first)
+    os.killpg(command.pid, signal.SIGINT)
+    last = command.communicate()[1].splitlines()[-1]
+    assert command.returncode == 130
+    done = sum(map(len, Campaign.open(tmp_path / "out").done))
+    assert last == (
+        f"interrupted: {done} of 100000 runs are in {tmp_path / 'out'}; the same command goes on"
+    )
