@@ -23,7 +23,7 @@ def kept_runs(campaign: Campaign, first: int, most_failed: int) -> tuple[list[in
     most_failed
         Number of failed runs to keep at most, the first ones.
     """
-    flown, failed = _by_status(campaign)
+    flown, failed = flown_and_failed(campaign)
     chosen = {*failed[:most_failed], *flown[flown < first]}
     for name in campaign.spec.variations.criterion.worse:
         chosen.update(worst_runs(campaign, name))
@@ -54,7 +54,7 @@ def _numbers(campaign: Campaign, name: str) -> Iterator[tuple[Any, Any]]:
         yield known["run"].to_numpy()[finite], values[finite]
 
 
-def _by_status(campaign: Campaign) -> tuple[Any, Any]:
+def flown_and_failed(campaign: Campaign) -> tuple[Any, Any]:
     """Return the runs that were flown and those that failed, ascending."""
     flown, failed = [np.zeros(0, int)], [np.zeros(0, int)]
     for table in campaign.tables(["run", "status"]):

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from spacecraft_gnc.campaign.flyer import FAILED, PASSED, Flown, Flyer, row_differences
+from spacecraft_gnc.campaign.flyer import Flown, Flyer, row_differences
+from spacecraft_gnc.campaign.keeping import flown_and_failed
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.flight import Flight
 
@@ -121,11 +122,9 @@ def spot_runs(campaign: Campaign, count: int) -> tuple[int, ...]:
     count
         How many; fewer where fewer flew to their end.
     """
-    table = campaign.table(["run", "status"]).to_pydict()
-    rows = zip(table["run"], table["status"], strict=True)
-    flew = [run for run, status in rows if status in (PASSED, FAILED)]
+    flown, _ = flown_and_failed(campaign)
     random = np.random.Generator(np.random.Philox(key=[campaign.spec.seed, count]))
-    return tuple(sorted(random.choice(flew, min(count, len(flew)), replace=False).tolist()))
+    return tuple(sorted(random.choice(flown, min(count, len(flown)), replace=False).tolist()))
 
 
 def write_scenario(scenario: Scenario, path: Path) -> None:
