@@ -6,6 +6,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -106,6 +107,13 @@ class Campaign:
             _SPEC, {"written_by": f"spacecraft_gnc {__version__}", **spec.to_dict(), **about}
         )
         return made
+
+    def discard(self) -> None:
+        """Remove the folder of a campaign that did not come to fly: nothing else is in it."""
+        (self.folder / _SPEC).unlink()
+        for each in (self.results, self.flights, self.folder):
+            with suppress(OSError):  # somebody else's, or not empty
+                each.rmdir()
 
     def require(self, spec: Spec) -> None:
         """Refuse a folder that holds another campaign.

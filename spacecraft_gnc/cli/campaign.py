@@ -44,7 +44,7 @@ from spacecraft_gnc.cli._common import (
 )
 from spacecraft_gnc.cli._help import App, Command, Group
 from spacecraft_gnc.cli._progress import Progress, show_progress
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.extras import require_ros
 
 if TYPE_CHECKING:
@@ -98,11 +98,17 @@ def fly(
     silent = quiet or as_json
     if not silent:
         tell_warnings(base)
-    if not Campaign.exists(folder):
+    is_new = not Campaign.exists(folder)
+    if is_new:
         require_metrics(spec)  # first: a folder is made for what can be flown
     found = Campaign.create(folder, spec)
     with exclusive(found):
-        keeping = _fly(found, workers, scheduler, keep, keep_failed, silent=quiet)
+        try:
+            keeping = _fly(found, workers, scheduler, keep, keep_failed, silent=quiet)
+        except GncError:
+            if is_new and not found.done:
+                found.discard()
+            raise
         checked = _spot_check(found, spot_check, silent=quiet) if spot_check else ()
         summary = summarize(found, keeping)
         if checked:

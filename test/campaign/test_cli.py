@@ -193,3 +193,13 @@ def test_ctrl_c_of_a_terminal_ends_every_process_in_order(variations, tmp_path) 
     assert last == (
         f"interrupted: {done} of 100000 runs are in {tmp_path / 'out'}; the same command goes on"
     )
+
+
+def test_who_finds_no_scheduler_leaves_no_folder(variations, tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("spacecraft_gnc.campaign.cluster._CONNECTING", 0.5)
+    words = ["campaign", "gupta2015_case1", str(variations), "--out", str(tmp_path / "out"), *SET]
+    code, out, err = run(capsys, *words, "--scheduler", "tcp://127.0.0.1:9")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: --scheduler: received 'tcp://127.0.0.1:9', which does not answer")
+    assert len(err.splitlines()) == 1
+    assert not (tmp_path / "out").exists()
