@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from graph.killing import kill_governor_between_steps
 
 from spacecraft_gnc.analysis.reader import RecordedRun, read_flight
 from spacecraft_gnc.launcher import domain
@@ -65,7 +66,8 @@ def test_a_signal_ends_the_run_in_order(graph: Any, at: Any, number: int) -> Non
 
 @pytest.mark.parametrize("name", ["nmpc_controller", "reference_governor", "recorder"])
 def test_a_killed_node_is_restarted_where_asked(graph: Any, at: Any, name: str) -> None:
-    display = at(EARLY, kill(name))
+    in_order = name == "reference_governor"
+    display = at(EARLY, kill_governor_between_steps if in_order else kill(name))
     patient = "plant.command_timeout=120.0"  # a busy machine may take long to start a process
     changes = ("plant.duration=800.0", "launcher.on_node_death=restart", patient)
     out = graph.fly(*changes, display=display)

@@ -13,7 +13,7 @@ import pytest
 import rclpy
 from geometry_msgs.msg import Quaternion
 from graph.comparison import CASE1, assert_equals_simulation
-from graph.test_failures import kill
+from graph.killing import kill_governor_between_steps
 from graph.test_flight import payloads
 from node_messages import ends
 from rclpy.action import ActionClient
@@ -170,7 +170,7 @@ def audited(out: Path) -> Check:
 def test_a_governor_restarted_in_flight_is_told_by_the_audit(graph: Any, at: Any) -> None:
     patient = "plant.command_timeout=120.0"  # a busy machine may take long to start a process
     changes = (patient, "launcher.on_node_death=restart")
-    out = graph.fly(*changes, scenario=KALABIC, display=at(60, kill(GOVERNOR)))
+    out = graph.fly(*changes, scenario=KALABIC, display=at(60, kill_governor_between_steps))
     assert graph.outcome.restarts == (GOVERNOR,)
     decisions = audited(out)
     assert decisions.steps == 1201
@@ -186,7 +186,7 @@ def test_a_governor_restarted_in_flight_goes_on_with_its_moving_reference(
     patient = "plant.command_timeout=120.0"  # a busy machine may take long to start a process
     changes = (patient, "launcher.on_node_death=restart")
     scenario = CASE1.with_name("turning_reference.yaml")
-    out = graph.fly(*changes, scenario=scenario, display=at(60, kill(GOVERNOR)))
+    out = graph.fly(*changes, scenario=scenario, display=at(60, kill_governor_between_steps))
     assert graph.outcome.restarts == (GOVERNOR,)
     assert audited(out).note == ""
     assert_equals_simulation(out / "bag", *changes, scenario=scenario)

@@ -1,0 +1,60 @@
+"""A governor killed on purpose, where it has told everything of its step."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections import Counter
+from typing import Any
+
+import rclpy
+from node_messages import ends
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from spacecraft_gnc.launcher.launcher import Launcher
+from spacecraft_gnc.signals.attitude import REFERENCE
+from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR
+
+PATIENCE = 60.0  # [s] wall: after this a test has failed
+
+
+def kill_governor_between_steps(launcher: Launcher) -> None:
+    """Kill it while the graph stands still.
+
+    At any other time SIGKILL may fall between the reference of a step and the status, which then is
+    in no bag. Without a controller the plant repeats the state, and the governor its reference; by
+    then it has published the status.
+    """
+    controller = launcher._processes[CONTROLLER].pid
+    os.kill(controller, signal.SIGSTOP)
+    try:
+        _await_repeat(launcher._domain_id)
+        os.kill(launcher._processes[GOVERNOR].pid, signal.SIGKILL)
+    finally:
+        os.kill(controller, signal.SIGCONT)
+
+
+def _await_repeat(domain_id: int) -> None:
+    """Wait for a reference of a step that was published before."""
+    references: Counter[int] = Counter()
+
+    def hear(message: Any) -> None:
+        references[message.step] += 1
+
+    context = rclpy.Context()
+    rclpy.init(args=[], context=context, domain_id=domain_id)
+    executor, node = SingleThreadedExecutor(context=context), Node("witness", context=context)
+    executor.add_node(node)
+    kind, name, qos = ends(REFERENCE)
+    node.create_subscription(kind, name, hear, qos)
+    patience = time.monotonic() + PATIENCE
+    try:
+        while max(references.values(), default=0) < 2:
+            assert time.monotonic() < patience, "the governor never repeated its reference"
+            executor.spin_once(timeout_sec=0.05)
+    finally:
+        node.destroy_node()
+        executor.shutdown()
+        rclpy.shutdown(context=context)
