@@ -68,7 +68,9 @@ class _Series(ABC):
     patience: float = math.inf
 
     def __init__(self, ocp: AttitudeOcp, options: ShootingOptions | None = None) -> None:
-        self._ocp, self._options = require_kind("ocp", ocp, AttitudeOcp), options
+        self._ocp = require_kind("ocp", ocp, AttitudeOcp)
+        chosen = ShootingOptions() if options is None else options
+        self._options = require_kind("options", chosen, ShootingOptions)
 
     @cached_property
     def _solvers(self) -> Sequence[ShootingSolver]:
