@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -31,27 +30,31 @@ def kept_runs(campaign: Campaign, first: int, most_failed: int) -> tuple[list[in
 
 
 def worst_runs(campaign: Campaign, name: str) -> list[int]:
-    """Return the runs that are worst in a metric of the criterion, the worst one first.
+    """Return the runs to keep as the worst in a metric of the criterion, the worst one first."""
+    return [run for run, _ in worst_values(campaign, name, campaign.spec.variations.worst)]
 
-    Of equal ones the first is the worse; runs without a value are none of them.
+
+def worst_values(campaign: Campaign, name: str, count: int) -> list[tuple[int, float]]:
+    """Return the worst runs in a metric of the criterion and their values, the worst one first.
+
+    Of equal ones the first is the worse; runs without a number are none of them.
     """
-    count = campaign.spec.variations.worst
+    from spacecraft_gnc.campaign.columns import numbers
+
+    if name not in campaign.schema.names:
+        return []
     sign = campaign.spec.variations.criterion.worse[name]
     worst: list[tuple[float, int]] = []
-    if name in campaign.schema.names:
-        for runs, values in _numbers(campaign, name):
-            order = np.lexsort((runs, -sign * values))[:count]
-            worst += zip((-sign * values[order]).tolist(), runs[order].tolist(), strict=True)
-            worst = sorted(worst)[:count]
-    return [run for _, run in worst]
-
-
-def _numbers(campaign: Campaign, name: str) -> Iterator[tuple[Any, Any]]:
     for table in campaign.tables(["run", name]):
-        known = table.filter(table[name].is_valid())
-        values = known[name].to_numpy().astype(float)
-        finite = ~np.isnan(values)
-        yield known["run"].to_numpy()[finite], values[finite]
+        values = numbers(table[name])
+        if values is None or values.ndim != 1:
+            return []
+        known = ~np.isnan(values)
+        runs, goodness = table["run"].to_numpy()[known], -sign * values[known]
+        order = np.lexsort((runs, goodness))[:count]
+        worst += zip(goodness[order].tolist(), runs[order].tolist(), strict=True)
+        worst = sorted(worst)[:count]
+    return [(run, -sign * good) for good, run in worst]
 
 
 def flown_and_failed(campaign: Campaign) -> tuple[Any, Any]:

@@ -149,11 +149,13 @@ def test_a_flight_that_does_not_give_its_row_again_is_told(
 
 def test_worst_runs_have_a_value(make_spec, engine, tmp_path: Path) -> None:
     text = VARIATIONS.replace("max_torque < 0.011", "min_zone_margin_deg > 0 and steps > 1")
+    text = text.replace("steps > 1", "steps > 1 and error_to < 1")
     campaign = Campaign.create(tmp_path / "out", make_spec(text, runs=8))
     fly_missing(campaign, engine, silent)
     assert campaign.counts()["failed"] == 8, "there is no zone: nothing is known to have passed"
     assert worst_runs(campaign, "min_zone_margin_deg") == []
     assert worst_runs(campaign, "steps") == [0, 1], "of equal ones the first"
+    assert worst_runs(campaign, "error_to") == [], "a text is no number"
     assert len(kept_runs(campaign, 0, 0)[0]) <= 4
 
 

@@ -15,6 +15,7 @@ from campaign.made_campaigns import NASTY, VARIATIONS, made
 from matplotlib.image import imread
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.campaign.columns import numbers as column_numbers
 from spacecraft_gnc.campaign.report import read_data, report_html
 from spacecraft_gnc.campaign.report.charts import (
     MOST_CHARTS,
@@ -24,7 +25,6 @@ from spacecraft_gnc.campaign.report.charts import (
 )
 from spacecraft_gnc.campaign.report.failures import clauses_of
 from spacecraft_gnc.campaign.report.features import features
-from spacecraft_gnc.campaign.report.features import numbers as column_numbers
 from spacecraft_gnc.campaign.statistics import binning, clopper_pearson
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.errors import RecordingError

@@ -12,6 +12,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from spacecraft_gnc.campaign import statistics as stats
+from spacecraft_gnc.campaign.columns import numbers
 from spacecraft_gnc.campaign.flyer import FAILED, HEAD, PASSED
 from spacecraft_gnc.campaign.report.failures import (
     Group,
@@ -21,7 +22,7 @@ from spacecraft_gnc.campaign.report.failures import (
     word_counts,
     worst_runs,
 )
-from spacecraft_gnc.campaign.report.features import Feature, features, numbers
+from spacecraft_gnc.campaign.report.features import Feature, features
 from spacecraft_gnc.campaign.statistics import Binning, Coded
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.types import Array

@@ -10,11 +10,11 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
+from spacecraft_gnc.campaign.columns import numbers
 from spacecraft_gnc.campaign.criterion import Criterion
 from spacecraft_gnc.campaign.flyer import FAILED, PASSED
-from spacecraft_gnc.campaign.report.features import numbers
+from spacecraft_gnc.campaign.keeping import worst_values
 from spacecraft_gnc.campaign.statistics import MOST_CATEGORIES
-from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.campaign.results import Campaign
@@ -154,23 +154,13 @@ def worst_runs(campaign: Campaign) -> Iterator[Worst]:
             table = campaign.table(["run", "status", metric])
             values = numbers(table[metric])
             if values is not None and values.ndim == 1:
-                yield _worst_of(metric, table, values, sign)
+                flown = np.asarray(pc.is_in(table["status"], value_set=pa.array([PASSED, FAILED])))
+                missing = int(np.count_nonzero(flown & np.isnan(values)))
+                worst = worst_values(campaign, metric, WORST)
+                yield Worst(metric, sign > 0, missing, tuple(_with_status(table, worst)))
 
 
-def _worst_of(metric: str, table: Any, values: Array, sign: int) -> Worst:
-    flown = np.asarray(pc.is_in(table["status"], value_set=pa.array([PASSED, FAILED])))
-    missing = int(np.count_nonzero(flown & np.isnan(values)))
-    return Worst(metric, sign > 0, missing, tuple(_worst(table, values, sign)))
-
-
-def _worst(table: Any, values: Array, sign: int) -> Iterator[WorstRun]:
-    known = np.flatnonzero(~np.isnan(values))
-    badness = sign * values[known]
-    if len(known) > WORST:
-        least = np.partition(badness, -WORST)[-WORST]
-        keep = badness >= least  # with all that are equal: the first runs of them are listed
-        known, badness = known[keep], badness[keep]
-    runs = table["run"].to_numpy()[known]
-    for i in np.lexsort((runs, -badness))[:WORST]:
-        status = table["status"][int(known[i])].as_py()
-        yield WorstRun(int(runs[i]), float(values[known[i]]), status)
+def _with_status(table: Any, worst: Sequence[tuple[int, float]]) -> Iterator[WorstRun]:
+    places = np.searchsorted(table["run"].to_numpy(), [run for run, _ in worst])
+    for place, (run, value) in zip(places.tolist(), worst, strict=True):
+        yield WorstRun(run, value, table["status"][place].as_py())
