@@ -28,7 +28,6 @@ MOST_PANELS: Final = 8
 _WIDTH, _HEIGHT = 6.3, 2.4  # [inch] of a figure, and of a row of diagrams
 _MAP: Final = (6.3, 4.6)
 _LINE: Final = 30  # letters of a title
-_OTHERS, _PASSED = 0, 1
 _DENSITY: Final = LinearSegmentedColormap.from_list("density", style.DENSITY_COLORS)
 _RATES: Final = LinearSegmentedColormap.from_list("rates", style.RATE_COLORS)
 
@@ -81,8 +80,8 @@ def _distribution(axes: Axes, column: Column, data: Data) -> None:
     counts = stats.tally(column.coded, data.passed)
     binning = column.coded.binning
     for k, name, color in (
-        (_PASSED, "passed", style.PASSED_COLOR),
-        (_OTHERS, "not passed", style.FAILED_COLOR),
+        (stats.PASSED, "passed", style.PASSED_COLOR),
+        (stats.OTHERS, "not passed", style.FAILED_COLOR),
     ):
         if counts[:, k].any():
             axes.stairs(counts[:, k], binning.edges, fill=True, color=color, alpha=0.6, label=name)
@@ -97,8 +96,8 @@ def _success(axes: Axes, column: Column, data: Data) -> None:
     counts = stats.tally(coded, data.passed)
     totals = counts.sum(axis=1)
     there = totals > 0
-    rates = counts[there, _PASSED] / totals[there]
-    low, high = stats.clopper_pearson_bounds(counts[there, _PASSED], totals[there])
+    rates = counts[there, stats.PASSED] / totals[there]
+    low, high = stats.clopper_pearson_bounds(counts[there, stats.PASSED], totals[there])
     axes.errorbar(
         coded.binning.centers[there],
         100.0 * rates,
@@ -121,7 +120,7 @@ def _success_map(x: Column, y: Column, data: Data) -> Figure:
         coded, counts = _pair(x, y, data, FOR_RATES)
         totals = counts.sum(axis=2)
         rates = np.ma.masked_invalid(np.where(totals, 0.0, np.nan))
-        rates += 100.0 * counts[:, :, _PASSED] / np.maximum(totals, 1)
+        rates += 100.0 * counts[:, :, stats.PASSED] / np.maximum(totals, 1)
         sure = rates[totals >= stats.ENOUGH]
         span = {"vmin": sure.min(), "vmax": sure.max()} if sure.size else {}
         mesh = _mesh(axes, coded, rates, cmap=_RATES, **span)

@@ -29,6 +29,8 @@ _LOG_FROM: Final = 300.0  # ratio of the quantiles 0.99 and 0.01; a uniform colu
 _TAIL: Final = 0.005  # share of the values at each end that may lie far off
 _STEP: Final = 6
 Codes: TypeAlias = "NDArray[np.uint8]"
+OTHERS, PASSED = 0, 1
+"""Last index of the counts of `tally`: runs that did not pass, and those that did."""
 Counts: TypeAlias = "NDArray[np.int64]"
 
 
@@ -251,10 +253,10 @@ def explained(counts: Counts) -> float:
     runs, bins = int(totals.sum()), int(np.count_nonzero(totals))
     if runs <= bins:
         return 0.0
-    share = counts[:, 1].sum() / runs
+    share = counts[:, PASSED].sum() / runs
     total = runs * share * (1.0 - share)
     if total == 0.0:
         return 0.0
-    rates = counts[:, 1] / np.maximum(totals, 1)
+    rates = counts[:, PASSED] / np.maximum(totals, 1)
     within = float(np.sum(totals * rates * (1.0 - rates)))
     return max(0.0, float(1.0 - within * (runs - 1) / (total * (runs - bins))))

@@ -13,7 +13,7 @@ from spacecraft_gnc.cli._progress import show_progress
 from spacecraft_gnc.errors import LaunchError, ParameterError, RecordingError
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.outcome import Interrupted
-from spacecraft_gnc.launcher.plan import make_plan
+from spacecraft_gnc.launcher.plan import make_plan, next_free
 from spacecraft_gnc.launcher.progress import Display, Silence
 from spacecraft_gnc.recording.metadata import read_losses
 
@@ -174,14 +174,10 @@ def new_folder(parent: Path, stem: str) -> Path:
     RecordingError
         If it cannot be created.
     """
-    number = 1
-    while (folder := parent / f"{stem}-{number}").exists():
-        number += 1
     try:
-        folder.mkdir(parents=True)
+        return next_free(parent, stem)
     except OSError as error:
         raise RecordingError(
-            f"{folder}: cannot be created ({error.strerror}); required a folder that can be "
-            "written; choose another --out"
+            f"{error.filename}: cannot be created ({error.strerror}); required a folder that can "
+            "be written; choose another --out"
         ) from error
-    return folder

@@ -201,7 +201,7 @@ def _make_folder(scenario: Path, out: Path | None) -> Path:
     """Create the folder of a run: ``out``, or the next free ``runs/SCENARIO-N``."""
     try:
         if out is None:
-            return _next_free(scenario.stem)
+            return next_free(_RUNS, scenario.stem)
         out.mkdir(parents=True, exist_ok=True)
         if any(out.iterdir()):
             raise LaunchRefused(
@@ -220,10 +220,17 @@ def _make_folder(scenario: Path, out: Path | None) -> Path:
     return out
 
 
-def _next_free(stem: str) -> Path:
-    _RUNS.mkdir(exist_ok=True)
+def next_free(parent: Path, stem: str) -> Path:
+    """Create and return ``parent/stem-1``, or the next that is free.
+
+    Raises
+    ------
+    OSError
+        If it cannot be created.
+    """
+    parent.mkdir(parents=True, exist_ok=True)
     for number in itertools.count(1):
-        folder = _RUNS / f"{stem}-{number}"
+        folder = parent / f"{stem}-{number}"
         try:
             folder.mkdir()
         except FileExistsError:

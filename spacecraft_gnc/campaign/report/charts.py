@@ -27,7 +27,6 @@ FOR_RATES: Final = 3
 FOR_DENSITY: Final = 2
 _NARROW: Final = 1e-3
 _LINE: Final = 40  # letters of a line of an axis title
-_OTHERS, _PASSED = 0, 1  # as `statistics.tally` counts
 
 
 def ranked(data: Data) -> list[tuple[Column, float]]:
@@ -45,9 +44,9 @@ def distribution_charts(data: Data) -> Iterator[Chart]:
     for i, metric in enumerate(data.metrics[:MOST_CHARTS]):
         counts = stats.tally(metric.coded, data.passed)
         binning = metric.coded.binning
-        bars = [_bars(binning, counts[:, _PASSED], "passed", style.PASSED_COLOR)]
+        bars = [_bars(binning, counts[:, stats.PASSED], "passed", style.PASSED_COLOR)]
         if data.successes < data.runs:
-            bars.append(_bars(binning, counts[:, _OTHERS], "not passed", style.FAILED_COLOR))
+            bars.append(_bars(binning, counts[:, stats.OTHERS], "not passed", style.FAILED_COLOR))
         top = float(np.log10(max(counts.max(), 1)))
         runs = log_axis("runs", range=[-0.3, 1.06 * top + 0.1])
         drawn = figure(bars, [runs], value_axis(metric.name, binning))
@@ -115,7 +114,7 @@ def rate_charts(parameters: Sequence[tuple[Column, float]], data: Data) -> Itera
 def _rates(name: str, coded: Coded, counts: Counts) -> dict[str, Any]:
     totals = counts.sum(axis=1)
     there = totals > 0
-    successes, totals = counts[there, _PASSED], totals[there]
+    successes, totals = counts[there, stats.PASSED], totals[there]
     rates = successes / totals
     low, high = stats.clopper_pearson_bounds(successes, totals)
     points = {
@@ -189,7 +188,7 @@ def rate_pairs(parameters: Sequence[tuple[Column, float]], data: Data) -> dict[s
 
 def _cells(counts: Counts) -> list[list[int]]:
     """Return the counts of the other and of the passed runs, each row by row: y, then x."""
-    return [counts[:, :, k].T.ravel().tolist() for k in (_OTHERS, _PASSED)]
+    return [counts[:, :, k].T.ravel().tolist() for k in (stats.OTHERS, stats.PASSED)]
 
 
 def _columns(columns: Sequence[Column], coded: Sequence[Coded]) -> list[dict[str, Any]]:
