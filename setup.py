@@ -76,7 +76,7 @@ setup(
         f"{NAME}.analysis.live": ["page/*"],
         f"{NAME}.analysis.report": ["*.css", "*.html", "*.js"],
         f"{NAME}.campaign.report": ["*.css", "*.html", "*.js"],
-        f"{NAME}.drawing": ["*.css", "*.js"],
+        f"{NAME}.drawing": ["*.css", "*.html", "*.js"],
         f"{NAME}.nodes": ["*.xml"],
     },
     data_files=[

@@ -25,17 +25,18 @@ _POLICY: Final = (
 def filled_page(
     package: str, name: str, parts: Mapping[str, str], data: Mapping[str, Any], script: str = ""
 ) -> str:
-    """Return a page: a template with its parts, its data, the library of charts and the scripts.
+    """Return a page: a body with its parts, its data, the library of charts and the scripts.
 
     Parameters
     ----------
     package
-        That holds the template NAME.html, and NAME.css and NAME.js, which are added to those of
-        every page of charts.
+        That holds the body NAME.html, and NAME.css and NAME.js, which are added to those of every
+        page of charts.
     name
         Of these files.
     parts
-        HTML of the template's further places; every place is named ``{{like_this}}``.
+        HTML of the places of the body, which are named ``{{like_this}}``; also ``title`` and
+        ``kind``, the heading and what is below it.
     data
         ``charts`` (`Chart.data` of each), and what the page's own script needs.
     script
@@ -51,7 +52,8 @@ def filled_page(
             [_resource(__package__, "page.js"), _resource(package, f"{name}.js"), script]
         ),
     }
-    return _filled(_resource(package, f"{name}.html"), {**parts, **common})
+    body = _filled(_resource(package, f"{name}.html"), parts)
+    return _filled(_resource(__package__, "page.html"), {**parts, **common, "body": body})
 
 
 def write_page(text: str, target: Path) -> None:

@@ -28,6 +28,7 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
     charts = list(vehicle.charts(runs, points))
     view, note = vehicle.scene(runs, points)
     parts = {
+        "kind": "Flight report",
         "title": html.escape(title or ", ".join(run.name for run in runs)),
         "several": "several" if len(runs) > 1 else "",
         "warnings": tables.warnings(runs),

@@ -38,6 +38,7 @@ def report_html(campaign: Campaign, title: str = "", data: Data | None = None) -
     metrics = list(charts.distribution_charts(data))
     rates = list(charts.rate_charts(parameters, data))
     parts = {
+        "kind": "Campaign report",
         "title": html.escape(title or campaign.folder.resolve().name),
         "warnings": tables.warnings(list(_warnings(campaign, data))),
         "headline": tables.headline(campaign, data),
