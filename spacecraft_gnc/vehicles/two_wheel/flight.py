@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.loop.flight import Flight, Step, column, final
@@ -16,6 +17,17 @@ from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
 def _reported(name: str) -> Callable[[Step], Any]:
     """Return what reads an attribute of the method's report; None where there is none."""
     return lambda step: getattr(step.command.report, name, None)
+
+
+def _of(part: str, name: str) -> Callable[[Step], Any]:
+    """Return what reads an attribute of the report's solve or diagnosis; None without one."""
+    return lambda step: getattr(getattr(step.command.report, part, None), name, None)
+
+
+def _diagnosed(step: Step) -> Any:
+    """Return the wheels that count as answering: all, where the method watches none."""
+    told = _of("diagnosis", "healthy")(step)
+    return np.ones(len(step.state.wheel_speed), dtype=bool) if told is None else told
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -38,6 +50,14 @@ class WheelFlight(Flight):
         Of bus and wheels, inertial frame [N m s].
     healthy : (n, m) array of bool
         Whether each wheel answers its command.
+    diagnosed : (n, m) array of bool
+        Whether each wheel counts as answering on board, once the command of the step is found.
+    mode : (n,) array of int
+        How it is flown (`controllers.report.Mode`); -1: not known.
+    terminal_violation, cost : (n,) arrays
+        Of the method's solve; NaN without one.
+    terminal : (n,) array of int
+        What the plan has to reach (`controllers.report.Terminal`); -1 without a solve.
     reference, target : (n, 3, 3) arrays
         Attitude tracked, and attitude that the governor is asked for, body to inertial.
     status, source, iterations : (n,) arrays of int
@@ -64,15 +84,38 @@ class WheelFlight(Flight):
     healthy: NDArray[Any] = column(
         "state.healthy", (-1,), carried_by="wheel_state/healthy", missing=True
     )
+    diagnosed: NDArray[Any] = column(
+        _diagnosed, (-1,), carried_by="wheel_diagnosis/healthy", missing=True, formerly=True
+    )
+    mode: NDArray[Any] = column(
+        _of("diagnosis", "mode"), carried_by="wheel_diagnosis/mode", missing=-1, formerly=-1
+    )
     reference: Array = column(
         "decision.reference.attitude", (3, 3), carried_by="attitude_reference/attitude"
     )
     target: Array = column("target", (3, 3), carried_by="target_attitude/attitude")
-    status: NDArray[Any] = column("command.status", missing=-1)
+    status: NDArray[Any] = column(
+        "command.status", carried_by="wheel_solver_status/status", missing=-1
+    )
     source: NDArray[Any] = column("command.source", carried_by="wheel_command/source", missing=-1)
-    iterations: NDArray[Any] = column(_reported("iterations"), missing=0)
-    residual: Array = column(_reported("residual"))
-    solve_time: Array = column(_reported("solve_time"))
+    iterations: NDArray[Any] = column(
+        _reported("iterations"), carried_by="wheel_solver_status/iterations", missing=0
+    )
+    residual: Array = column(_reported("residual"), carried_by="wheel_solver_status/residual")
+    solve_time: Array = column(
+        _reported("solve_time"), carried_by="wheel_solver_status/wall_solve_time"
+    )
+    cost: Array = column(
+        _of("solve", "cost"), carried_by="wheel_solver_status/cost", formerly=np.nan
+    )
+    terminal_violation: Array = column(
+        _of("solve", "terminal_violation"),
+        carried_by="wheel_solver_status/terminal_violation",
+        formerly=np.nan,
+    )
+    terminal: NDArray[Any] = column(
+        _of("solve", "terminal"), carried_by="wheel_solver_status/terminal", missing=-1, formerly=-1
+    )
     final_attitude: Array = final("state.attitude", (3, 3), carried_by="wheel_state/attitude")
     final_angular_velocity: Array = final(
         "state.angular_velocity", (3,), carried_by="wheel_state/angular_velocity"

@@ -17,15 +17,26 @@ from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, REFERENCE
+from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
 from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
-from spacecraft_gnc.vehicles.two_wheel.signals import APPLIED, COMMAND, STATE
+from spacecraft_gnc.vehicles.two_wheel.signals import (
+    APPLIED,
+    COMMAND,
+    DIAGNOSIS,
+    SOLVER_STATUS,
+    STATE,
+)
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
+PLANS: Final = frozenset(
+    name for name in SOLVER_STATUS.fields if name.startswith("predicted_") or name == "drift"
+)
+"""Fields that are long, and that a flight does not keep."""
 Topics: TypeAlias = Mapping[Signal, Columns]
-_SIGNALS: Final = (STATE, REFERENCE, ACCEPTED_TARGET, COMMAND)
+_SIGNALS: Final = (STATE, REFERENCE, ACCEPTED_TARGET, COMMAND, SOLVER_STATUS, DIAGNOSIS)
 
 
 class Recorded(NamedTuple):
@@ -50,13 +61,15 @@ def read_recorded(
     RecordingError
         If there is no whole control step in it.
     """
-    columns = read_columns(bag, _SIGNALS, namespace, progress)
+    columns = read_columns(bag, _SIGNALS, namespace, progress, leave_out=PLANS)
     n = whole_steps(bag, columns)
     period = period_of(columns[STATE]) if scenario is None else scenario.period
     named = {signal.name: columns[signal] for signal in _SIGNALS}
     values = {
         name: _at(named.get(column.signal), column, n) for name, column in WheelFlight.columns()
     }
+    without = values["status"] == NO_SOLVE
+    values["status"][without] = values["terminal"][without] = -1
     values["euler_321"] = to_euler_321(values["attitude"])
     initial = None if scenario is None else lie.exp(scenario.governor.target_rotation_vector)
     values["target"] = targets_of(n, columns[ACCEPTED_TARGET], initial)
@@ -101,7 +114,7 @@ def _missing(columns: Topics) -> dict[str, tuple[int, ...]]:
     """Return the steps without a message, by topic; a topic never recorded is not listed."""
     last = int(columns[STATE].steps[-1])
     absent = {STATE.name: columns[STATE].missing(0, last)}
-    for signal in (COMMAND, REFERENCE):
+    for signal in (COMMAND, REFERENCE, SOLVER_STATUS, DIAGNOSIS):
         if columns[signal].steps.size:
             absent[signal.name] = columns[signal].missing(0, last - 1)
     return {topic: steps for topic, steps in absent.items() if steps}

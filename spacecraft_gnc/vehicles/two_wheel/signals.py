@@ -1,4 +1,4 @@
-"""Signals of a spacecraft with reaction wheels: its state and its command."""
+"""Signals of a spacecraft with reaction wheels: state, command, solve and diagnosis."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from spacecraft_gnc.loop.protocols import Source
-from spacecraft_gnc.signals import ROTATION, Field, Message, Rule, Signal
+from spacecraft_gnc.signals import ANY, ROTATION, Field, Message, Rule, Signal
 from spacecraft_gnc.signals.applied import Applied
 from spacecraft_gnc.signals.attitude import (
     ACCEPTED_TARGET,
@@ -23,10 +23,13 @@ from spacecraft_gnc.signals.attitude import (
 from spacecraft_gnc.signals.graph import CONTROL, CONTROLLER, GOVERNOR, MOTION, PLANT
 from spacecraft_gnc.signals.structures import QUATERNION, VECTOR3
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest, Terminal
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
 _SOURCE: Final = Rule(most=max(Source))
 _SOURCES: Final = tuple(Source)
+_OF_A_SOLVE: Final = Rule(when=("status", 0))
+"""Finite in what SolverStatus.CONVERGED says was found."""
 
 
 class Accelerations(NamedTuple):
@@ -116,6 +119,54 @@ COMMAND: Final = Signal(
     pack=_pack_command,
     unpack=_unpack_command,
 )
+SOLVER_STATUS: Final = Signal(
+    name="wheel_solver_status",
+    type="spacecraft_gnc_msgs/msg/WheelSolverStatus",
+    fields={
+        "method": Field("string"),
+        "model": Field("string"),
+        "solver": Field("string"),
+        "status": Field("uint8", "-"),
+        "terminal": Field("uint8", "-", Rule(most=max(Terminal))),
+        "iterations": Field("uint32", "-"),
+        "restarts": Field("uint32", "-"),
+        "residual": Field("float64", "-", _OF_A_SOLVE),
+        "cost": Field("float64", "-", _OF_A_SOLVE),
+        "terminal_violation": Field("float64", "rad", _OF_A_SOLVE),
+        "min_curvature": Field("float64", "-", ANY),
+        "terminal_attitude": Field("float64[9]", "-", _OF_A_SOLVE),
+        "planned": Field("bool[]"),
+        "drift": Field("float64[]", "rad/s", _OF_A_SOLVE),
+        "predicted_attitudes": Field("float64[]", "-", _OF_A_SOLVE),
+        "predicted_speeds": Field("float64[]", "rad/s", _OF_A_SOLVE),
+        "predicted_accelerations": Field("float64[]", "rad/s^2", _OF_A_SOLVE),
+        "predicted_torques": Field("float64[]", "N m", _OF_A_SOLVE),
+        "terminal_multipliers": Field("float64[]", "-", _OF_A_SOLVE),
+        "wall_solve_time": Field("float64", "s", ANY),
+        "wall_deadline_slack": Field("float64", "s", ANY),
+    },
+    publishers=(CONTROLLER,),
+    frame=BODY_FRAME,
+    rank=CONTROL + 1,
+)
+DIAGNOSIS: Final = Signal(
+    name="wheel_diagnosis",
+    type="spacecraft_gnc_msgs/msg/WheelDiagnosis",
+    fields={
+        "healthy": Field("bool[]"),
+        "residual": Field("float64[]", "rad/s", ANY),
+        "threshold": Field("float64[]", "rad/s", ANY),
+        "response": Field("float64[]", "-", ANY),
+        "mode": Field("uint8", "-", Rule(most=max(Mode))),
+        "rest": Field("uint8", "-", Rule(most=max(Rest))),
+        "remaining_rate": Field(VECTOR3, "rad/s"),
+        "held_attitude": Field("float64[9]", "-", ROTATION),
+        "pointing_loss": Field("float64", "rad"),
+    },
+    publishers=(CONTROLLER,),
+    frame=BODY_FRAME,
+    rank=CONTROL + 1,
+)
 APPLIED: Final = Applied(STATE, "applied_acceleration", "applied_source", COMMAND, "acceleration")
 SIGNALS: Final = (
     STATE,
@@ -123,6 +174,8 @@ SIGNALS: Final = (
     TARGET,
     ACCEPTED_TARGET,
     COMMAND,
+    SOLVER_STATUS,
+    DIAGNOSIS,
     ATTITUDE_ERROR,
     GOVERNOR_STATUS,
     POSE,
