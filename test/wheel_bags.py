@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from mcap.reader import make_reader
 from recording.bags import CODEC
 
@@ -93,7 +95,9 @@ def fly(folder, flown=SECTIONS, targets=None, late=()):
             misses = misses + 1 if k in late else 0
             if not misses:
                 last = (command.control, command.source)
-                publish(k, outputs.controller(state, decision.reference, command, (0.0, 0.0)))
+                publish(
+                    k, outputs.controller(state, decision.reference, command, (math.nan, math.nan))
+                )
             gone = misses > (scenario.plant.max_held_steps if _is_free(scenario) else 0)
             applied = (plant.idle_control, Source.ZERO) if gone else last
             held = sum(step <= k for step in late)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.loop.flight import Flight, Step, column, final
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
 
 
@@ -28,6 +29,12 @@ def _diagnosed(step: Step) -> Any:
     """Return the wheels that count as answering: all, where the method watches none."""
     told = _of("diagnosis", "healthy")(step)
     return np.ones(len(step.state.wheel_speed), dtype=bool) if told is None else told
+
+
+def _mode(step: Step) -> Any:
+    """Return how it is flown: nominally, where the method watches no wheel."""
+    told = _of("diagnosis", "mode")(step)
+    return Mode.NOMINAL if told is None else told
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -87,9 +94,7 @@ class WheelFlight(Flight):
     diagnosed: NDArray[Any] = column(
         _diagnosed, (-1,), carried_by="wheel_diagnosis/healthy", missing=True, formerly=True
     )
-    mode: NDArray[Any] = column(
-        _of("diagnosis", "mode"), carried_by="wheel_diagnosis/mode", missing=-1, formerly=-1
-    )
+    mode: NDArray[Any] = column(_mode, carried_by="wheel_diagnosis/mode", missing=-1, formerly=-1)
     reference: Array = column(
         "decision.reference.attitude", (3, 3), carried_by="attitude_reference/attitude"
     )
