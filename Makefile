@@ -72,7 +72,7 @@ UPGRADE := --upgrade
 
 lock: $(STAMPS)/environment ## resolve the dependencies into the lock files; UPGRADE= keeps locked versions
 	@$(BIN)/python -m pip install -qq uv
-	@$(BIN)/uv $(COMPILE) --extra campaign --extra export --extra ros --extra view setup.py requirements.in --output-file requirements.lock
+	@$(BIN)/uv $(COMPILE) --extra campaign --extra export --extra reference --extra ros --extra view setup.py requirements.in --output-file requirements.lock
 	@for peers in peers acados; do $(BIN)/uv $(COMPILE) benchmarks/peers/$$peers.txt --output-file benchmarks/peers/$$peers.lock; done
 
 clean: ## remove everything that make and colcon made, except recorded flights

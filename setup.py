@@ -15,6 +15,7 @@ CAMPAIGNS = [f"config/campaigns/{path.name}" for path in sorted(HERE.glob("confi
 EXTRAS = {
     "campaign": ["distributed>=2024.8", "pyarrow>=15"],  # gnc campaign
     "export": ["pyarrow>=15"],  # gnc export --format parquet
+    "reference": ["casadi>=3.6"],  # solver: ipopt of method underactuated
     "view": ["foxglove-sdk>=0.16"],  # gnc view for the Foxglove app
     "ros": [
         "ros-jazzy-rclpy[fastrtps]>=7.1.2",  # first release with working lifecycle transitions

@@ -65,6 +65,8 @@ def may_import(path: str, library: str) -> bool:
         return layer in ("recording", "signals")
     if library in ("matplotlib", "plotly", "pyarrow", "foxglove"):
         return layer in ("analysis", "campaign", "drawing", "vehicles", "studies")
+    if library == "casadi":
+        return path == "vehicles/two_wheel/ocp/ipopt.py"
     return library not in ("dask", "distributed") or layer == "campaign"
 
 
