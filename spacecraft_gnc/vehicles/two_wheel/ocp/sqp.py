@@ -1,0 +1,262 @@
+"""Sequential quadratic programming for two wheels, on the structure of the problem.
+
+The unknowns are the wheel speeds: bounds are then linear, every iterate keeps them, and the
+attitude follows by a roll-out. Each step solves a quadratic program with the exact Hessian of the
+Lagrangian (Gauss and Newton's where that is not convex on the end's condition) by an interior-point
+method along the stages, with the end's condition at an l1 price, so that each program has a
+solution; a line search on the l1 merit, with a second-order correction, makes it global. A plan that
+ends off the reference at a price that was raised four times is called infeasible.
+
+Source of the problem: Kolmanovsky et al. 2016 (AFRL), 3.1.2; the method is ours
+(docs/underactuated.md).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.arguments import as_count, require_kind, require_positive
+from spacecraft_gnc.status import Status
+from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_rotation
+from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321, to_euler_321
+from spacecraft_gnc.vehicles.two_wheel.ocp._sqp_kernels import sqp
+from spacecraft_gnc.vehicles.two_wheel.ocp.problem import MODELS, WheelOcp
+from spacecraft_gnc.vehicles.two_wheel.ocp.solution import WarmStart, WheelSolution
+from spacecraft_gnc.vehicles.two_wheel.ocp.starts import can_stop, loops, random_plan, within
+
+IDENTITY: Final = np.eye(3)
+_FREE: Final = 1e7  # in place of a limit that does not exist, over the scale of what occurs
+_PRICE: Final = 100.0  # of a missed end, over the largest weight of the attitude
+
+
+class Found(NamedTuple):
+    """What one start led to."""
+
+    status: Status
+    speeds: Array
+    attitudes: Array
+    multipliers: Array
+    bounds: Array
+    report: Array
+
+    @property
+    def rank(self) -> tuple[bool, float]:
+        """Order of preference, the best first: solved, then cheap; else near the reference."""
+        solved = self.status == Status.CONVERGED
+        return not solved, float(self.report[2 if solved else 3])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SqpSolver:
+    """Solve a `WheelOcp` for one state after the other.
+
+    Attributes
+    ----------
+    ocp : WheelOcp
+    tolerance : float
+        Largest residual of the first-order conditions, relative to the gradient, and largest
+        distance of the end from the reference [rad].
+    max_iterations : int
+        SQP steps of one start.
+    restarts : int
+        Random starts that are tried where no other one leads to a plan.
+    seed : int
+        Of the random starts.
+    chord : bool
+        Keep the Hessian of the first step of a solve (Newton and Kantorovich's chord method, of
+        the second derivatives): more steps, each a little cheaper.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is refused.
+    """
+
+    ocp: WheelOcp
+    tolerance: float = 1e-8
+    max_iterations: int = 60
+    restarts: int = 3
+    seed: int = 0
+    chord: bool = False
+    arenas: dict[bool, Any] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        require_kind("ocp", self.ocp, WheelOcp)
+        require_positive("tolerance", self.tolerance)
+        as_count("max_iterations", self.max_iterations)
+        as_count("restarts", self.restarts, least=0)
+        object.__setattr__(self, "arenas", {soft: _arena(self.ocp, soft) for soft in (False, True)})
+
+    def solve(
+        self,
+        attitude: ArrayLike,
+        wheel_speed: ArrayLike,
+        reference: ArrayLike = IDENTITY,
+        *,
+        drift: ArrayLike | None = None,
+        warm_start: WarmStart | None = None,
+        soft: bool = False,
+    ) -> WheelSolution:
+        """Find the plan from a state to rest at a reference.
+
+        Parameters
+        ----------
+        attitude : (3, 3) array
+            Body to inertial.
+        wheel_speed : (2,) array
+            [rad/s].
+        reference : (3, 3) array
+            Body to inertial.
+        drift : (N+1, 3) array, optional
+            Rate that other wheels give the bus at the nodes of the horizon, body frame [rad/s].
+        warm_start : WarmStart, optional
+            Of the solution of the step before; others are tried where it does not lead to a plan.
+        soft : bool, optional
+            Let the angle from the reference at the end be a term of the cost.
+
+        Raises
+        ------
+        ShapeError, ParameterError
+            If an argument is refused. What does not converge is told by the status.
+        """
+        begun = perf_counter()
+        rotation, target = as_rotation("attitude", attitude), as_rotation("reference", reference)
+        speed = np.asarray(wheel_speed, dtype=np.float64)
+        ocp = self.ocp
+        first = first_attitude(ocp, rotation, target)
+        rates = np.zeros((ocp.horizon + 1, 3)) if drift is None else np.asarray(drift) @ ocp.frame
+        found, tried = self._search(first, speed, np.ascontiguousarray(rates), warm_start, soft)
+        attitudes = inertial_attitudes(ocp, found.attitudes, target)
+        rows = 0 if soft else 3
+        terminal = np.zeros(3)
+        terminal[:rows] = found.multipliers[:rows]
+        speeds = np.zeros((ocp.horizon + 1, 2))
+        speeds[1:] = found.bounds[:, :2]
+        return WheelSolution(
+            ocp=ocp,
+            soft=soft,
+            status=found.status,
+            accelerations=np.diff(found.speeds, axis=0) / ocp.time_step,
+            speeds=found.speeds,
+            attitudes=attitudes,
+            cost=float(found.report[2]),
+            terminal_violation=float(lie.angle_between(attitudes[-1], target)),
+            iterations=int(found.report[0]),
+            restarts=tried,
+            residual=float(found.report[1]),
+            min_curvature=math.nan,
+            reference=target,
+            terminal_multipliers=terminal,
+            speed_multipliers=speeds,
+            acceleration_multipliers=found.bounds[:, 2:].copy(),
+            solve_time=perf_counter() - begun,
+        )
+
+    def _search(
+        self, first: Array, speed: Array, rates: Array, warm: WarmStart | None, soft: bool
+    ) -> tuple[Found, int]:
+        """Return the best of what the starts lead to, and how many there were beside the first."""
+        tried = []
+        if warm is not None:
+            speeds = within(self.ocp, warm.speeds, speed)
+            tried.append(self._run(first, speeds, rates, soft, warm))
+            if tried[0].status == Status.CONVERGED:
+                return tried[0], 0
+        error = coordinates(self.ocp, first)
+        tried += [self._run(first, speeds, rates, soft) for speeds in loops(self.ocp, error, speed)]
+        best = min(tried, key=lambda found: found.rank)
+        if not can_stop(self.ocp, speed):
+            return best._replace(status=Status.INFEASIBLE), len(tried) - 1
+        for attempt in range(self.restarts):
+            if best.status == Status.CONVERGED:
+                break
+            speeds = random_plan(self.ocp, speed, self.seed, attempt)
+            tried.append(self._run(first, speeds, rates, soft))
+            best = min(tried, key=lambda found: found.rank)
+        return best, len(tried) - 1
+
+    def _run(
+        self, first: Array, speeds: Array, rates: Array, soft: bool, warm: WarmStart | None = None
+    ) -> Found:
+        """Return what one start leads to."""
+        ocp = self.ocp
+        N, rows = ocp.horizon, 2 if soft else 5
+        a = np.empty((N + 1, first.size))
+        a[0] = first
+        y, z, report = np.zeros(rows), np.zeros((N, 4)), np.zeros(5)
+        if warm is not None and warm.terminal.size == rows:
+            y[:], z[:] = warm.terminal, warm.bounds
+        nu = speeds.copy()
+        weights = np.array(
+            [*ocp.attitude_weights, ocp.speed_weight, ocp.acceleration_weight,
+             ocp.terminal_weight if soft else 0.0]
+        )  # fmt: skip
+        limits = np.array([ocp.max_speed or _FREE, ocp.max_acceleration or _FREE])
+        status = sqp(
+            MODELS.index(ocp.model), ocp.time_step, ocp.rates, rates, nu, a, weights, limits,
+            _PRICE * float(ocp.attitude_weights.max()), self.tolerance, self.max_iterations,
+            self.chord, self.arenas[soft], y, z, report,
+        )  # fmt: skip
+        return Found(Status(status), nu, a, y, z, report)
+
+
+def first_attitude(ocp: WheelOcp, attitude: Matrix3, reference: Matrix3) -> Array:
+    """Return an attitude as the model has it: angles (3,), or the error's quaternion (4,)."""
+    error = ocp.frame.T @ reference.T @ attitude @ ocp.frame
+    return to_euler_321(error) if ocp.model == "simplified" else quaternion(error)
+
+
+def coordinates(ocp: WheelOcp, a: Array) -> Array:
+    """Return about the angles (3,) from the reference in the prediction frame [rad]."""
+    return a if ocp.model == "simplified" else 2.0 * a[1:] * math.copysign(1.0, a[0])
+
+
+def quaternion(rotation: Matrix3) -> Array:
+    """Return the unit quaternion (q0 >= 0, q) (4,) of a rotation."""
+    from spacecraft_gnc.signals.attitude import quaternion_of
+
+    x, y, z, w = np.array(quaternion_of(rotation)) * 1.0
+    q = np.array([w, x, y, z])
+    return q if w >= 0.0 else -q
+
+
+def inertial_attitudes(ocp: WheelOcp, a: Array, reference: Matrix3) -> Array:
+    """Return attitudes (N+1, 3, 3), body to inertial, of those of the model."""
+    if ocp.model == "simplified":
+        errors = np.array([from_euler_321(angles) for angles in a])
+    else:
+        w, x, y, z = (a / np.linalg.norm(a, axis=1, keepdims=True)).T
+        errors = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        ).transpose(2, 0, 1)
+    return np.asarray(reference @ ocp.frame @ errors @ ocp.frame.T)
+
+
+def _arena(ocp: WheelOcp, soft: bool) -> Any:
+    """Return the arrays that the kernels work in."""
+    N, na = ocp.horizon, 3 if ocp.model == "simplified" else 4
+    nx, mt, e = na + 2, 2 if soft else 5, np.empty
+    scratch = (e((2, 3)), e(3), e(4), e((3, 4)))
+    local = (e(3), e((3, na)), e(3), e(na), e(na), e((na, 4)), e((na, 4)), e((4, 4)), e((na, na)))
+    matrices = (
+        e((N, nx, nx)), e((N, nx, 2)), e((N + 1, nx + 2, nx + 2)), e((N + 1, nx + 2)),
+        e((mt, nx)), e(mt), e((N, 4)), e((N, 4)), e((N, 2)), e(nx), e(nx),
+    )  # fmt: skip
+    pairs = [np.ones((N + 1, 4, 2)) for _ in range(4)]
+    work = (
+        e((N + 1, nx, nx)), e((N + 1, nx, mt)), e((N, 2, nx)), e((N, 2, mt)), e((N, 3)),
+        e((N + 1, nx)), e((N, 2)), *pairs, e((N, 4)), e((N, 4)), e((N + 1, nx)), e((N, 2)),
+    )  # fmt: skip
+    step = (np.zeros((N + 1, nx)), np.zeros((N, 2)), np.zeros(mt), np.zeros((N, 4)))
+    trial = (e((N + 1, 2)), e((N + 1, na)), e(3), e(mt))
+    return scratch, local, matrices, work, step, trial
