@@ -246,7 +246,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
     n_soft = 3 if hard else 0
     rho = np.zeros(Ct.shape[0])
     for i in range(n_soft):
-        rho[i] = _CONVEXIFYING * max(cost[0], max(cost[1], cost[2]))
+        rho[i] = _CONVEXIFYING * max(cost[0], cost[1], cost[2])
     roll_out(model, T, C, drift, nu, a, scratch)
     value = objective(model, T, nu, a, cost, e, E)
     miss = missed(e) if hard else 0.0

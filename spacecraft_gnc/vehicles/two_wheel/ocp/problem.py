@@ -69,8 +69,8 @@ class WheelOcp:
     model: str = "so3"
     terminal_weight: float = 1e4
     frame: Matrix3 = field(init=False, repr=False)
-    """(3, 3) axes of the prediction frame in the body frame, one column each: e1 along the rate that
-    the first wheel gives, e3 about which none gives any."""
+    """(3, 3) axes of the prediction frame in the body frame, one column each: e1 along the rate
+    that the first wheel gives, e3 about which none gives any."""
     rates: Array = field(init=False, repr=False)
     """(3, 2) rate of the bus in that frame per wheel speed, at zero total momentum."""
 

@@ -4,8 +4,8 @@ The unknowns are the wheel speeds: bounds are then linear, every iterate keeps t
 attitude follows by a roll-out. Each step solves a quadratic program with the exact Hessian of the
 Lagrangian (Gauss and Newton's where that is not convex on the end's condition) by an interior-point
 method along the stages, with the end's condition at an l1 price, so that each program has a
-solution; a line search on the l1 merit, with a second-order correction, makes it global. A plan that
-ends off the reference at a price that was raised four times is called infeasible.
+solution; a line search on the l1 merit, with a second-order correction, makes it global. A plan
+that ends off the reference at a price that was raised four times is called infeasible.
 
 Source of the problem: Kolmanovsky et al. 2016 (AFRL), 3.1.2; the method is ours
 (docs/underactuated.md).
