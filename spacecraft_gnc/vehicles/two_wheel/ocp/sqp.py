@@ -26,12 +26,14 @@ from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_rotation
 from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321, to_euler_321
 from spacecraft_gnc.vehicles.two_wheel.ocp._sqp_kernels import sqp
+from spacecraft_gnc.vehicles.two_wheel.ocp.certificate import least_curvature
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import MODELS, WheelOcp
 from spacecraft_gnc.vehicles.two_wheel.ocp.solution import WarmStart, WheelSolution
 from spacecraft_gnc.vehicles.two_wheel.ocp.starts import can_stop, loops, random_plan, within
 
 IDENTITY: Final = np.eye(3)
 _FREE: Final = 1e7  # in place of a limit that does not exist, over the scale of what occurs
+_ACTIVE: Final = 1e-7  # multiplier of a bound that acts, over the largest one
 _PRICE: Final = 100.0  # of a missed end, over the largest weight of the attitude
 
 
@@ -44,6 +46,8 @@ class Found(NamedTuple):
     multipliers: Array
     bounds: Array
     report: Array
+    matrices: tuple[Array, ...]
+    """Dynamics A, B, Hessians of the Lagrangian and conditions of the stages, at the end."""
 
     @property
     def rank(self) -> tuple[bool, float]:
@@ -132,6 +136,10 @@ class SqpSolver:
         first = first_attitude(ocp, rotation, target)
         rates = np.zeros((ocp.horizon + 1, 3)) if drift is None else np.asarray(drift) @ ocp.frame
         found, tried = self._search(first, speed, np.ascontiguousarray(rates), warm_start, soft)
+        curvature = self._curvature(found)
+        status = found.status
+        if status == Status.CONVERGED and curvature < 0.0:
+            status = Status.SADDLE
         attitudes = inertial_attitudes(ocp, found.attitudes, target)
         rows = 0 if soft else 3
         terminal = np.zeros(3)
@@ -141,7 +149,7 @@ class SqpSolver:
         return WheelSolution(
             ocp=ocp,
             soft=soft,
-            status=found.status,
+            status=status,
             accelerations=np.diff(found.speeds, axis=0) / ocp.time_step,
             speeds=found.speeds,
             attitudes=attitudes,
@@ -150,7 +158,7 @@ class SqpSolver:
             iterations=int(found.report[0]),
             restarts=tried,
             residual=float(found.report[1]),
-            min_curvature=math.nan,
+            min_curvature=curvature,
             reference=target,
             terminal_multipliers=terminal,
             speed_multipliers=speeds,
@@ -181,6 +189,14 @@ class SqpSolver:
             best = min(tried, key=lambda found: found.rank)
         return best, len(tried) - 1
 
+    def _curvature(self, found: Found) -> float:
+        """Return the least curvature of a plan; NaN where it does not keep the conditions."""
+        if found.status != Status.CONVERGED:
+            return math.nan
+        A, B, M, Ct = found.matrices
+        size = max(1.0, float(np.abs(found.bounds).max()))
+        return least_curvature((A, B), M, Ct, np.abs(found.bounds) > _ACTIVE * size)
+
     def _run(
         self, first: Array, speeds: Array, rates: Array, soft: bool, warm: WarmStart | None = None
     ) -> Found:
@@ -203,7 +219,9 @@ class SqpSolver:
             _PRICE * float(ocp.attitude_weights.max()), self.tolerance, self.max_iterations,
             self.chord, self.arenas[soft], y, z, report,
         )  # fmt: skip
-        return Found(Status(status), nu, a, y, z, report)
+        A, B, M, _, Ct, *_ = self.arenas[soft][2]
+        last = tuple(matrix.copy() for matrix in (A, B, M, Ct))
+        return Found(Status(status), nu, a, y, z, report, last)
 
 
 def first_attitude(ocp: WheelOcp, attitude: Matrix3, reference: Matrix3) -> Array:
