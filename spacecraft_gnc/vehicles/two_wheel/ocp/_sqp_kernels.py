@@ -29,6 +29,8 @@ _ARMIJO = 1e-4
 _SHORTEST = 2.0**-12
 _STEEPER = 10.0  # of the price of a missed end, where the present one does not close it
 _RISES = 4  # of the price
+_MOST_SHIFTS = 3
+_SHIFT_RISE = 10.0
 _CONVEXIFYING = 10.0  # of the end's condition, times the largest weight
 
 
@@ -230,6 +232,14 @@ def linear_miss(Ct, b, x, N, nx):
 
 
 @kernel
+def verdict(status, y, sigma, miss, hard, tolerance):
+    """Status of a run that ends early: infeasible where the price of the missed end is reached."""
+    if hard and miss > tolerance and max(abs(y[0]), abs(y[1]), abs(y[2])) > 0.5 * sigma:
+        return INFEASIBLE
+    return status
+
+
+@kernel
 def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, arena, y, z, told):
     """Solve from the plan ``nu`` (N+1, 2), which the solution replaces; returns a `Status` value.
 
@@ -273,6 +283,17 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
             A, B, M, m, Ct, b, sigma, rho, n_soft, low, high, work, x, u, yq, zq
         )
         told[4] += count
+        shift, shifts = cost[4], 0
+        while status == NOT_CONVEX and shifts < _MOST_SHIFTS:
+            for k in range(N):
+                for i in range(2):
+                    M[k, nx + i, nx + i] += shift
+            shift *= _SHIFT_RISE
+            shifts += 1
+            status, count = interior_point(
+                A, B, M, m, Ct, b, sigma, rho, n_soft, low, high, work, x, u, yq, zq
+            )
+            told[4] += count
         if status == NOT_CONVEX:
             stages(model, T, C, drift, nu, a, cost, y, False, A, B, M, m, Ct, b, scratch, local)
             status, count = interior_point(
@@ -327,7 +348,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
                 continue
             alpha *= 0.5
         if not moved:
-            return NO_PROGRESS
+            return verdict(NO_PROGRESS, y, sigma, miss, hard, tolerance)
         known = True
         for k in range(N + 1):
             for i in range(2):
@@ -340,4 +361,4 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
             for i in range(4):
                 z[k, i] += alpha * (zq[k, i] - z[k, i])
         value, miss = value_try, miss_try
-    return SPENT
+    return verdict(SPENT, y, sigma, miss, hard, tolerance)

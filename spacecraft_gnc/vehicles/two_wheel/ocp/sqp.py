@@ -34,7 +34,7 @@ from spacecraft_gnc.vehicles.two_wheel.ocp.starts import can_stop, loops, random
 IDENTITY: Final = np.eye(3)
 _FREE: Final = 1e7  # in place of a limit that does not exist, over the scale of what occurs
 _ACTIVE: Final = 1e-7  # multiplier of a bound that acts, over the largest one
-_PRICE: Final = 100.0  # of a missed end, over the largest weight of the attitude
+_PRICE: Final = 1.5  # of a missed end, over the largest weight of the attitude
 
 
 class Found(NamedTuple):
@@ -106,6 +106,7 @@ class SqpSolver:
         drift: ArrayLike | None = None,
         warm_start: WarmStart | None = None,
         soft: bool = False,
+        search: bool = True,
     ) -> WheelSolution:
         """Find the plan from a state to rest at a reference.
 
@@ -121,6 +122,8 @@ class SqpSolver:
             Rate that other wheels give the bus at the nodes of the horizon, body frame [rad/s].
         warm_start : WarmStart, optional
             Of the solution of the step before; others are tried where it does not lead to a plan.
+        search : bool, optional
+            Whether other starts are tried where the warm one does not lead to a plan.
         soft : bool, optional
             Let the angle from the reference at the end be a term of the cost.
 
@@ -135,7 +138,9 @@ class SqpSolver:
         ocp = self.ocp
         first = first_attitude(ocp, rotation, target)
         rates = np.zeros((ocp.horizon + 1, 3)) if drift is None else np.asarray(drift) @ ocp.frame
-        found, tried = self._search(first, speed, np.ascontiguousarray(rates), warm_start, soft)
+        found, tried = self._search(
+            first, speed, np.ascontiguousarray(rates), warm_start, soft, search
+        )
         curvature = self._curvature(found)
         status = found.status
         if status == Status.CONVERGED and curvature < 0.0:
@@ -167,14 +172,20 @@ class SqpSolver:
         )
 
     def _search(
-        self, first: Array, speed: Array, rates: Array, warm: WarmStart | None, soft: bool
+        self,
+        first: Array,
+        speed: Array,
+        rates: Array,
+        warm: WarmStart | None,
+        soft: bool,
+        search: bool,
     ) -> tuple[Found, int]:
         """Return the best of what the starts lead to, and how many there were beside the first."""
         tried = []
         if warm is not None:
             speeds = within(self.ocp, warm.speeds, speed)
             tried.append(self._run(first, speeds, rates, soft, warm))
-            if tried[0].status == Status.CONVERGED:
+            if tried[0].status == Status.CONVERGED or not search:
                 return tried[0], 0
         error = coordinates(self.ocp, first)
         tried += [self._run(first, speeds, rates, soft) for speeds in loops(self.ocp, error, speed)]
