@@ -250,7 +250,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
     e, E = local[0], local[1]
     A, B, M, m, Ct, b, low, high, g, lam, later = matrices
     x, u, yq, zq = step
-    nu_try, a_try, e_try, b_try = trial
+    nu_try, a_try, e_try, b_try, kept = trial
     N, na = nu.shape[0] - 1, a.shape[1]
     nx, hard = na + 2, cost[5] == 0.0
     n_soft = 3 if hard else 0
@@ -263,7 +263,12 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
     known, rises = False, 0
     for iteration in range(most + 1):
         told[0] = iteration
-        stages(model, T, C, drift, nu, a, cost, y, True, A, B, M, m, Ct, b, scratch, local)
+        fresh = iteration == 0 or not chord
+        stages(model, T, C, drift, nu, a, cost, y, fresh, A, B, M, m, Ct, b, scratch, local)
+        if fresh:
+            kept[:] = M
+        else:
+            M[:] = kept
         set_bounds(nu, T, limits[0], limits[1], low, high)
         worst, scale = first_order(A, B, m, Ct, y, z, g, lam, later)
         residual = max(worst, complementarity(low, high, z)) / (1.0 + scale)
@@ -306,7 +311,8 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
         if hard:
             slope += sigma * (linear_miss(Ct, b, x, N, nx) - miss)
         merit = value + sigma * miss
-        allowed = 1e-13 * (1.0 + abs(merit))  # rounding of the merit
+        # Rounding of the merit, and of a program whose step is all but zero: it may not descend.
+        allowed = 1e-12 * (1.0 + abs(merit)) + 10.0 * max(slope, 0.0)
         alpha, corrected, moved = 1.0, False, False
         while alpha > _SHORTEST:
             for k in range(1, N + 1):

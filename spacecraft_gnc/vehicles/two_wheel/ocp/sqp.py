@@ -287,5 +287,5 @@ def _arena(ocp: WheelOcp, soft: bool) -> Any:
         e((N + 1, nx)), e((N, 2)), *pairs, e((N, 4)), e((N, 4)), e((N + 1, nx)), e((N, 2)),
     )  # fmt: skip
     step = (np.zeros((N + 1, nx)), np.zeros((N, 2)), np.zeros(mt), np.zeros((N, 4)))
-    trial = (e((N + 1, 2)), e((N + 1, na)), e(3), e(mt))
+    trial = (e((N + 1, 2)), e((N + 1, na)), e(3), e(mt), e((N + 1, nx + 2, nx + 2)))
     return scratch, local, matrices, work, step, trial
