@@ -277,6 +277,10 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
             return NOT_FINITE
         if known and residual < tolerance:
             if miss < tolerance:
+                if not fresh:  # for the certificate
+                    stages(
+                        model, T, C, drift, nu, a, cost, y, True, A, B, M, m, Ct, b, scratch, local
+                    )
                 return CONVERGED
             if rises == _RISES:
                 return INFEASIBLE
