@@ -95,12 +95,11 @@ class GyrostatPlant:
         ShapeError, ParameterError
             If it is not m finite numbers, or the bus has come to turn too fast for the time step.
         """
-        healthy = self.healthy
-        if not healthy.all():
-            m = self.gyrostat.n_wheels
-            command = as_finite("acceleration", acceleration, (m,), f"{m} numbers [rad/s^2]")
-            acceleration = np.where(healthy, command, 0.0)
-        self._state = self._told(self.gyrostat.step(self._state, acceleration, self.substeps))
+        m = self.gyrostat.n_wheels
+        command = as_finite("acceleration", acceleration, (m,), f"{m} numbers [rad/s^2]")
+        driven = np.where(self.healthy, command, 0.0)
+        state = self.gyrostat.step(self._state, driven, self.substeps)
+        self._state = self._told(state._replace(applied=command))
         return self._state
 
     def outputs(self, applied: tuple[Array, Source]) -> list[tuple[Signal, Any]]:

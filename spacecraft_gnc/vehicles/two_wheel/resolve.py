@@ -113,6 +113,7 @@ def _state(flight: WheelFlight, k: int) -> WheelState:
         flight.wheel_speed[k],
         flight.total_momentum[k],
         flight.healthy[k],
+        flight.wheel_acceleration[k - 1] if k else None,
     )
 
 

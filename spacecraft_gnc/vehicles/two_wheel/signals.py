@@ -72,6 +72,7 @@ def _unpack_state(message: Message) -> WheelState:
         message.array("wheel_speed"),
         message.array("total_momentum"),
         np.array(message["healthy"], dtype=bool),
+        message.array("applied_acceleration"),
     )
 
 

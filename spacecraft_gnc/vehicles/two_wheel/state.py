@@ -28,3 +28,6 @@ class WheelState(NamedTuple):
     """(3,) of bus and wheels about the center of mass, inertial frame [N m s]."""
     healthy: NDArray[np.bool_]
     """(m,) whether each wheel answers its command in this step: the truth, which no law reads."""
+    applied: Array | None = None
+    """(m,) accelerations that the wheels were told over the step before, whether they answered or
+    not [rad/s^2]; None: not known."""

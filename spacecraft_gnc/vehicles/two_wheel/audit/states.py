@@ -18,7 +18,10 @@ def recorded_states(evidence: Evidence, steps: NDArray[np.int64]) -> list[WheelS
         for name in ("attitude", "angular_velocity", "wheel_speed", "total_momentum")
     )
     healthy = evidence.rows(STATE, "healthy", steps) != 0.0
+    told = read_only(evidence.rows(STATE, "applied_acceleration", steps))
     return [
-        WheelState(step, attitudes[i].reshape(3, 3), rates[i], speeds[i], total[i], healthy[i])
+        WheelState(
+            step, attitudes[i].reshape(3, 3), rates[i], speeds[i], total[i], healthy[i], told[i]
+        )
         for i, step in enumerate(steps.tolist())
     ]
