@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +74,7 @@ class ResidualTest:
     def __post_init__(self) -> None:
         period = require_positive("period", self.period)
         axial = as_finite("wheel_inertias", self.wheel_inertias, np.shape(self.wheel_inertias), "")
-        checked = {"period": period, "wheel_inertias": axial}
+        checked: dict[str, Any] = {"period": period, "wheel_inertias": axial}
         for name, bound in (("viscous_friction", "slope"), ("coulomb_friction", "offset")):
             value = as_finite(name, getattr(self, name), axial.shape, "one number for each wheel")
             if value.min(initial=0.0) < 0.0:

@@ -128,5 +128,5 @@ def _stacked(
     states: Sequence[WheelState],
 ) -> tuple[Array, Array, Array, Array, NDArray[np.bool_]]:
     """Return attitudes, rates, wheel speeds, total momenta and health of states."""
-    _, attitudes, rates, speeds, total, healthy = zip(*states, strict=True)
+    _, attitudes, rates, speeds, total, healthy, _ = zip(*states, strict=True)
     return tuple(map(np.array, (attitudes, rates, speeds, total, healthy)))  # type: ignore[return-value]
