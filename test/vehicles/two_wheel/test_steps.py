@@ -37,7 +37,7 @@ def test_simulate_is_step_after_step():
         for part, expected in zip(state[1:4], motion, strict=True):
             assert np.array_equal(part, expected[k + 1])
     assert state.step == 30
-    assert not any(part.flags.writeable for part in state[1:])
+    assert not any(part.flags.writeable for part in state[1:6])
 
 
 def test_substeps_hold_the_command():
