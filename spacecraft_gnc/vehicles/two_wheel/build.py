@@ -51,7 +51,8 @@ def believed_gyrostat(scenario: Scenario) -> Gyrostat:
         c.wheel_axes,
         c.wheel_inertias,
         scenario.period,
-        max_acceleration=c.max_wheel_acceleration,
+        c.max_wheel_speed,
+        c.max_wheel_acceleration,
     )
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from spacecraft_gnc.vehicles.two_wheel.controllers import feedback
-from spacecraft_gnc.vehicles.two_wheel.controllers.feedback import FeedbackParameters
+from spacecraft_gnc.vehicles.two_wheel.controllers import feedback, shooting
+from spacecraft_gnc.vehicles.two_wheel.controllers.shooting import ShootingParameters
 from spacecraft_gnc.vehicles.two_wheel.parameters.common import CommonParameters
 from spacecraft_gnc.vehicles.vehicle import Method
 
-METHODS: Final[tuple[Method, ...]] = (feedback.METHOD,)
+METHODS: Final[tuple[Method, ...]] = (feedback.METHOD, shooting.METHOD)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ControllerParameters(FeedbackParameters, CommonParameters):
+class ControllerParameters(ShootingParameters, CommonParameters):
     """Section ``nmpc_controller``: what every method reads, and what each one adds."""

@@ -60,6 +60,15 @@ class CommonParameters(ControllerHost):
         above=0.0,
         maximum=LARGEST,
     )
+    max_wheel_speed: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "largest size of a wheel's speed that is planned and commanded; 0: the plant's limit",
+        unit="rad/s",
+        minimum=0.0,
+        maximum=LARGEST,
+        otherwise="plant.max_wheel_speed",
+    )
     max_wheel_acceleration: float = parameter(
         Kind.DOUBLE,
         0.0,
