@@ -15,6 +15,7 @@ from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
 from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.two_wheel.plant import GyrostatPlant
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
 
 def plant(scenario: Scenario) -> GyrostatPlant:
@@ -34,11 +35,18 @@ def plant(scenario: Scenario) -> GyrostatPlant:
         p.time_step,
         p.max_wheel_speed,
         p.max_wheel_acceleration,
+        p.wheel_viscous_friction,
+        p.wheel_coulomb_friction,
     )
-    speed = p.initial_wheel_speed if p.initial_wheel_speed.size else np.zeros(gyrostat.n_wheels)
-    start = gyrostat.state_from_rate(initial_attitude(p), p.initial_angular_velocity, speed)
     return GyrostatPlant(
-        gyrostat, start, scenario.n_steps, scenario.substeps, _lost_at(p), pose_every=p.pose_every
+        gyrostat,
+        _start(gyrostat, p),
+        scenario.n_steps,
+        scenario.substeps,
+        _lost_at(p),
+        lost_share=p.lost_wheel_share if p.wheel_loss == "partial" else 0.0,
+        lost_friction=p.lost_wheel_friction if p.wheel_loss == "friction" else 0.0,
+        pose_every=p.pose_every,
     )
 
 
@@ -66,6 +74,16 @@ def initial_attitude(plant: PlantParameters) -> Matrix3:
     if np.isfinite(plant.initial_euler_321).all():
         return from_euler_321(plant.initial_euler_321)
     return lie.exp(plant.initial_rotation_vector)
+
+
+def _start(gyrostat: Gyrostat, plant: PlantParameters) -> WheelState:
+    """Return the state at the start, from the total momentum where that is given."""
+    given = plant.initial_wheel_speed
+    speed = given if given.size else np.zeros(gyrostat.n_wheels)
+    attitude, total = initial_attitude(plant), plant.initial_total_momentum
+    if np.isfinite(total).all():
+        return gyrostat.state_from_momentum(attitude, total, speed)
+    return gyrostat.state_from_rate(attitude, plant.initial_angular_velocity, speed)
 
 
 def _lost_at(plant: PlantParameters) -> Array | None:

@@ -23,6 +23,18 @@ _EXAMPLES: Final = {
     "wheel_inertias": "[0.01, 0.01, 0.01]",
 }
 
+_OF_EACH_WHEEL: Final = (
+    "initial_wheel_speed",
+    "wheel_lost_at",
+    "wheel_viscous_friction",
+    "wheel_coulomb_friction",
+)
+_INSTEAD: Final = {
+    "initial_euler_321": "initial_rotation_vector",
+    "initial_total_momentum": "initial_angular_velocity",
+}
+"""What stands instead of what."""
+
 
 def check(checked: Checked) -> None:
     """Add a problem for each pair of values that do not fit together."""
@@ -30,6 +42,7 @@ def check(checked: Checked) -> None:
     for section in (_PLANT, _CONTROLLER):
         _check_wheels(checked, section)
     _check_start(checked)
+    _check_losses(checked)
     _check_belief(checked)
 
 
@@ -60,6 +73,7 @@ def _check_wheels(checked: Checked, section: str) -> None:
 
     def fit() -> None:
         unit = as_axes(np.reshape(axes, (3, m)))
+        require_span(unit, 2)
         require_bus(np.reshape(inertia, (3, 3)), unit, as_axial(np.array(axial), m))
 
     _complain_of(checked, section, fit)
@@ -69,7 +83,7 @@ def _check_start(checked: Checked) -> None:
     """Check what is one number for each wheel, and the initial speeds against their limit."""
     axes = checked.get(_PLANT, "wheel_axes")
     m = np.size(axes) // 3 if axes else 0
-    for name in ("initial_wheel_speed", "wheel_lost_at"):
+    for name in _OF_EACH_WHEEL:
         value = checked.get(_PLANT, name)
         if value and m and np.size(value) != m:
             need = f"{m} numbers, one for each column of wheel_axes, or none"
@@ -78,12 +92,25 @@ def _check_start(checked: Checked) -> None:
     if speed and limit and np.abs(speed).max() > limit:
         need = f"at most max_wheel_speed ({limit:g} rad/s) in size"
         checked.complain(_PLANT, "initial_wheel_speed", shown(speed), need, "lower it")
-    if checked.get(_PLANT, "initial_euler_321") and checked.is_changed(
-        _PLANT, "initial_rotation_vector"
-    ):
-        value = shown(checked.get(_PLANT, "initial_rotation_vector"))
-        need = "either it or initial_euler_321"
-        checked.complain(_PLANT, "initial_rotation_vector", value, need, "remove one of them")
+    for name, other in _INSTEAD.items():
+        if checked.get(_PLANT, name) and checked.is_changed(_PLANT, other):
+            value, need = shown(checked.get(_PLANT, other)), f"either it or {name}"
+            checked.complain(_PLANT, other, value, need, "remove one of them")
+
+
+def _check_losses(checked: Checked) -> None:
+    """Check that wheels are lost within the flight, and that what is said of them has a use."""
+    lost, duration = checked.get(_PLANT, "wheel_lost_at"), checked.get(_PLANT, "duration")
+    latest = max(lost, default=-1.0) if isinstance(lost, list) else -1.0
+    if isinstance(duration, float) and latest >= duration:
+        need = f"times before the end of the flight (plant.duration, {duration:g} s)"
+        remedy = "lose the wheel earlier, or lengthen the flight; negative: it is never lost"
+        checked.complain(_PLANT, "wheel_lost_at", shown(lost), need, remedy)
+    kind = checked.get(_PLANT, "wheel_loss")
+    for name, of in (("lost_wheel_friction", "friction"), ("lost_wheel_share", "partial")):
+        if name in checked.given.get(_PLANT, {}) and kind != of:
+            value, need = shown(checked.get(_PLANT, name)), f"wheel_loss: {of} beside it"
+            checked.complain(_PLANT, name, value, need, f"remove it, or set wheel_loss: {of}")
 
 
 def _check_belief(checked: Checked) -> None:

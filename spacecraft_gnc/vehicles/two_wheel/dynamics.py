@@ -4,9 +4,12 @@ With R the attitude (body to inertial), omega the rate of the bus, nu_i the spee
 its axis a_i relative to the bus, A = [a_1 ... a_m], Js = diag(Js_i) the axial inertias and J the
 inertia of bus and locked wheels, the total momentum in the inertial frame is
 
-    H = R (J omega + A Js nu),   H' = 0,   nu' = u,   R' = R hat(omega),
+    H = R (J omega + A Js nu),   H' = 0,   R' = R hat(omega),
+    nu_i' = u_i - (c_i nu_i + tau_i sign nu_i) / Js_i,
 
-where u is the commanded acceleration, relative to the bus. One stage of length h is
+where u is the commanded acceleration, relative to the bus, and c and tau are the viscous and the
+Coulomb friction of the bearings, if any. With u held, nu is known in closed form. One stage of
+length h is
 
     omega_m = J^-1 ((Pi_k + Pi_k+1)/2 - A Js (nu_k + nu_k+1)/2),   Pi = R^T H,
     R_k+1 = R_k cay(h omega_m),   cay(x) = (I - hat(x)/2)^-1 (I + hat(x)/2),
@@ -23,6 +26,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +56,8 @@ from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 from spacecraft_gnc.vehicles.two_wheel.wheels import (
     as_axes,
     as_axial,
+    as_friction,
+    decelerations,
     read_only_mask,
     require_bus,
 )
@@ -75,12 +81,16 @@ class Gyrostat:
     max_speed, max_acceleration : float
         Limits of each wheel's speed [rad/s] and acceleration [rad/s^2] relative to the bus, at
         which they saturate; 0 means none.
+    viscous_friction, coulomb_friction : (m,) arrays
+        Friction of the bearings, c [N m s] and tau [N m]; (0,) where there is none. A wheel at rest
+        sticks as long as abs(Js u) <= tau.
 
     Raises
     ------
     ShapeError, ParameterError
         If the inertia is no inertia of a body with volume, does not exceed what the wheels have
-        about their axes, an axis is zero, or a wheel's inertia or the time step is not positive.
+        about their axes, an axis is zero, a wheel's inertia or the time step is not positive, or
+        friction is negative.
     """
 
     inertia: Matrix3
@@ -89,10 +99,14 @@ class Gyrostat:
     time_step: float
     max_speed: float = 0.0
     max_acceleration: float = 0.0
+    viscous_friction: Array = field(default_factory=partial(np.empty, 0))
+    coulomb_friction: Array = field(default_factory=partial(np.empty, 0))
     wheels: Array = field(init=False, repr=False)
     """(3, m) A Js [kg m^2]: momentum of the wheels per speed, body frame."""
     body: Array = field(init=False, repr=False)
     """(30,) inertia and limits, packed for the kernels."""
+    friction: Array = field(init=False, repr=False)
+    """(2, m) c / Js [1/s] and tau / Js [rad/s^2]; (2, 0): none."""
 
     def __post_init__(self) -> None:
         inertia = as_inertia("inertia", self.inertia)
@@ -101,11 +115,15 @@ class Gyrostat:
         require_bus(inertia, axes, axial)
         limits = [as_limit(name, getattr(self, name)) for name in ("max_speed", "max_acceleration")]
         body = np.append(pack_inertia(inertia), [limit or math.inf for limit in limits])
+        viscous = as_friction("viscous_friction", self.viscous_friction, axial.size)
+        coulomb = as_friction("coulomb_friction", self.coulomb_friction, axial.size)
         for name, value in (
             ("inertia", inertia), ("wheel_axes", axes), ("wheel_inertias", axial),
             ("time_step", require_positive("time_step", self.time_step)),
             ("max_speed", limits[0]), ("max_acceleration", limits[1]),
+            ("viscous_friction", viscous), ("coulomb_friction", coulomb),
             ("wheels", read_only(axes * axial)), ("body", read_only(body)),
+            ("friction", decelerations(viscous, coulomb, axial)),
         ):  # fmt: skip
             object.__setattr__(self, name, value)
 
@@ -179,7 +197,8 @@ class Gyrostat:
         command = self._as_wheels("acceleration", acceleration, "rad/s^2")
         substeps = as_count("substeps", substeps)
         row = self._row(state)
-        done = advance(self.body, self.wheels, self.time_step, row, 0, command[None], 0, substeps)
+        body, h = (self.body, self.wheels, self.friction), self.time_step
+        done = advance(*body, h, row, 0, command[None], 0, substeps)
         if done != substeps:
             self._fail(state.angular_velocity, state.wheel_speed)
         parts = _parts(read_only(row[0]))
@@ -219,7 +238,8 @@ class Gyrostat:
             )
         states = np.empty((n + 1, SPEED + self.n_wheels))
         states[0] = self._row(state)[0]
-        done = propagate(self.body, self.wheels, self.time_step, states, commands)
+        body = self.body, self.wheels, self.friction
+        done = propagate(*body, self.time_step, states, commands)
         if done != n:
             self._fail(*_parts(states[done])[1:])
         return _parts(states)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
 from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
 from spacecraft_gnc.vehicles.two_wheel.signals import STATE, Accelerations, Motion
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
-from spacecraft_gnc.vehicles.two_wheel.wheels import read_only_mask
+from spacecraft_gnc.vehicles.two_wheel.wheels import as_loss, read_only_mask
 
 
 class GyrostatPlant:
@@ -36,8 +37,12 @@ class GyrostatPlant:
     substeps : int
         Integrator steps in one control period, over which the accelerations are held.
     lost_at : (m,) array, optional
-        Time [s] from which on a wheel holds its speed, whatever is commanded; infinity: never. It
-        takes effect at the first control step that does not start before it.
+        Time [s] from which on a wheel is lost; infinity: never. It takes effect at the first
+        control step that does not start before it.
+    lost_share : float
+        Share of the commanded acceleration that a lost wheel still gives, 0 to 1.
+    lost_friction : float
+        Coulomb friction of a lost wheel beside that of its bearing [N m].
     pose_every : int
         Control steps between two poses among the `outputs`; 0: none.
 
@@ -57,6 +62,8 @@ class GyrostatPlant:
         substeps: int = 1,
         lost_at: ArrayLike | None = None,
         *,
+        lost_share: float = 0.0,
+        lost_friction: float = 0.0,
         pose_every: int = 0,
     ) -> None:
         remedy = "lengthen the duration to one control period or more"
@@ -67,6 +74,8 @@ class GyrostatPlant:
         require_kind("initial", initial, WheelState)
         as_shaped("initial.wheel_speed", initial.wheel_speed, (gyrostat.n_wheels,))
         self._pose_every = pose_every
+        self._lost_share, self._lost_friction = as_loss(lost_share, lost_friction)
+        self._after_loss: dict[bytes, Gyrostat] = {}
         self._lost_from = self._loss_steps(lost_at)
         self._last_loss = max((k for k in self._lost_from if math.isfinite(k)), default=-1.0)
         self._initial = self._told(initial)
@@ -97,10 +106,35 @@ class GyrostatPlant:
         """
         m = self.gyrostat.n_wheels
         command = as_finite("acceleration", acceleration, (m,), f"{m} numbers [rad/s^2]")
-        driven = np.where(self.healthy, command, 0.0)
-        state = self.gyrostat.step(self._state, driven, self.substeps)
-        self._state = self._told(state._replace(applied=command))
+        self._state = self._told(self.advance(self._state, command)._replace(applied=command))
         return self._state
+
+    def advance(self, state: WheelState, acceleration: Array) -> WheelState:
+        """Return the state a control period after ``state``, whose health counts.
+
+        Parameters
+        ----------
+        state : WheelState
+            Any state of these wheels.
+        acceleration : (m,) array
+            Commanded, relative to the bus [rad/s^2].
+        """
+        healthy, most = state.healthy, self.gyrostat.max_acceleration or math.inf
+        left = self._lost_share * np.clip(acceleration, -most, most)
+        driven = np.where(healthy, acceleration, left)
+        return self._as_flown(healthy).step(state, driven, self.substeps)
+
+    def _as_flown(self, healthy: NDArray[np.bool_]) -> Gyrostat:
+        """Return the gyrostat with the friction of lost wheels."""
+        if healthy.all() or not self._lost_friction:
+            return self.gyrostat
+        key = healthy.tobytes()
+        if key not in self._after_loss:
+            bearings = self.gyrostat.coulomb_friction
+            least = bearings if bearings.size else np.zeros(self.gyrostat.n_wheels)
+            coulomb = np.where(healthy, least, least + self._lost_friction)
+            self._after_loss[key] = replace(self.gyrostat, coulomb_friction=coulomb)
+        return self._after_loss[key]
 
     def outputs(self, applied: tuple[Array, Source]) -> list[tuple[Signal, Any]]:
         """Return what a node publishes at the start of the current step, the state first.

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.arguments import as_limit, as_real
 from spacecraft_gnc.arrays import as_finite, as_float, listed
 from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.types import Array, ArrayLike, Matrix3, read_only
 
 _SPANS = 1e-6  # least singular value of the unit axes that counts as a direction
+
+_SPAN: Final = {
+    2: ("else not every attitude can be reached", "add a wheel about another axis"),
+    3: (
+        "else no torque about some axis can be had",
+        "add a wheel, or use a method for two wheels",
+    ),
+}
 
 
 def as_axes(value: ArrayLike) -> Array:
@@ -41,6 +52,36 @@ def as_axial(value: ArrayLike, n_wheels: int) -> Array:
     return axial
 
 
+def as_friction(name: str, value: ArrayLike, n_wheels: int) -> Array:
+    """Return the friction of each wheel (m,), or (0,) where there is none, read-only."""
+    if np.size(value) == 0:
+        return read_only(np.empty(0))
+    friction = as_finite(name, value, (n_wheels,), f"{n_wheels} numbers, or none")
+    if friction.min() < 0.0:
+        raise ParameterError(
+            f"{name}: received {listed(friction)}; required numbers >= 0; give 0 for a wheel that "
+            "turns freely"
+        )
+    return friction
+
+
+def as_loss(share: object, friction: object) -> tuple[float, float]:
+    """Return what is left of a command, and what brakes [N m], once a wheel is lost."""
+    remedy = "give 0 for a motor that is dead"
+    return (
+        as_real("lost_share", share, lambda x: 0.0 <= x <= 1.0, "a share of 0 to 1", remedy),
+        as_limit("lost_friction", friction),
+    )
+
+
+def decelerations(viscous: Array, coulomb: Array, axial: Array) -> Array:
+    """Return (2, m) c / Js [1/s] and tau / Js [rad/s^2] by friction; (2, 0) where there is none."""
+    if not (viscous.any() or coulomb.any()):
+        return read_only(np.empty((2, 0)))
+    parts = [part if part.size else np.zeros(axial.size) for part in (viscous, coulomb)]
+    return read_only(np.array(parts) / axial)
+
+
 def require_bus(inertia: Matrix3, axes: Array, axial: Array) -> None:
     """Raise ParameterError if the wheels have more axial inertia than all has together."""
     least = float(np.linalg.eigvalsh(inertia - (axes * axial) @ axes.T)[0])
@@ -52,14 +93,14 @@ def require_bus(inertia: Matrix3, axes: Array, axial: Array) -> None:
         )
 
 
-def require_span(axes: Array) -> None:
-    """Raise ParameterError if unit axes (3, m) span fewer than three dimensions."""
+def require_span(axes: Array, least: int = 3) -> None:
+    """Raise ParameterError if unit axes (3, m) span fewer dimensions than ``least``, 2 or 3."""
     rank = int(np.linalg.matrix_rank(axes, tol=_SPANS)) if axes.size else 0
-    if rank < 3:
+    if rank < least:
+        why, remedy = _SPAN[least]
         raise ParameterError(
             f"wheel_axes: received {axes.shape[1]} healthy wheel(s) whose axes span {rank} "
-            "dimension(s); required 3, else no torque about some axis can be had; add a wheel, or "
-            "use a method for two wheels"
+            f"dimension(s); required {least}, {why}; {remedy}"
         )
 
 

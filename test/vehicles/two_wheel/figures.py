@@ -40,7 +40,7 @@ def invariants():
 def accuracy():
     print("# 4 s, four wheels accelerating, against DOP853: error of attitude [rad], rate [rad/s]")
     bodies, driven = Bodies(np.random.default_rng(2), PYRAMID), np.array([9.0, -4.0, 6.0, -7.0])
-    turned, turning = bodies.fly(ATTITUDE, RATE, SPEEDS, driven, 4.0)
+    turned, turning, _ = bodies.fly(ATTITUDE, RATE, SPEEDS, driven, 4.0)
     for n in (20, 40, 80, 160):
         gyrostat = Gyrostat(bodies.locked(), PYRAMID, bodies.axial, 4.0 / n)
         state = gyrostat.step(gyrostat.state_from_rate(ATTITUDE, RATE, SPEEDS), driven, n)
@@ -48,7 +48,7 @@ def accuracy():
         print(f"{4.0 / n:.3f} s: {lie.angle_between(state.attitude, turned):.1e} {off:.1e}")
     rest, n = np.zeros(3), 40
     inertia = bodies.locked()
-    turned, turning = bodies.fly(ATTITUDE, RATE, np.zeros(4), np.zeros(4), 4.0)
+    turned, turning, _ = bodies.fly(ATTITUDE, RATE, np.zeros(4), np.zeros(4), 4.0)
     attitude, _ = RigidBody(inertia, 4.0 / n).step(ATTITUDE, inertia @ RATE, rest, n)
     gyrostat = Gyrostat(inertia, PYRAMID, bodies.axial, 4.0 / n)
     state = gyrostat.step(gyrostat.state_from_rate(ATTITUDE, RATE, np.zeros(4)), np.zeros(4), n)

@@ -25,9 +25,17 @@ EACH = [
 ]
 
 
-@pytest.fixture(scope="module")
-def bag(tmp_path_factory):
-    return fly(tmp_path_factory.mktemp("flown"))[0]
+RUBBING = {
+    "wheel_viscous_friction": [1e-3, 0.0, 2e-3, 1e-4],
+    "wheel_coulomb_friction": [5e-3, 5e-3, 0.0, 1e-2],
+    "initial_wheel_speed": [1.0, -39.5, 30.0, -0.3],
+    "wheel_loss": "partial",
+}
+
+
+@pytest.fixture(scope="module", params=[{}, RUBBING], ids=["smooth", "rubbing"])
+def bag(tmp_path_factory, request):
+    return fly(tmp_path_factory.mktemp("flown"), sections(plant=request.param))[0]
 
 
 @pytest.fixture(scope="module")
@@ -110,6 +118,27 @@ def test_a_target_taken_in_flight_is_followed(tmp_path):
     assert audit.passed, audit.first
     notes = {check.name: check.note for check in audit.checks}
     assert notes["decision of the governor"] == "targets taken in flight: 1"
+
+
+@pytest.mark.parametrize("loss", ["friction", "spinning", "partial"])
+def test_a_flight_with_friction_through_rest_and_a_loss_passes(tmp_path, loss):
+    flown = sections(plant={**RUBBING, "wheel_loss": loss, "wheel_lost_at": [2.0, 1.0, -1.0, -1.0]})
+    bag, states = fly(tmp_path, flown)
+    audit = audit_bag(bag)
+    assert audit.passed, audit.first
+    signs = np.sign([state.wheel_speed for state in states])
+    assert (signs[0] * signs[-1] <= 0.0).any()
+
+
+@pytest.mark.parametrize("name", ["wheel_viscous_friction", "wheel_coulomb_friction"])
+def test_friction_that_the_scenario_does_not_tell_fails_both_kinds_of_equations(tmp_path, name):
+    flown, _ = fly(tmp_path, sections(plant={**RUBBING, name: [1.1 * x for x in RUBBING[name]]}))
+    other, _ = fly(tmp_path / "told", sections(plant=RUBBING))
+    audit = audit_bag(rewrite(other, tmp_path / "mixed", messages_of(flown)))
+    assert {
+        "integrator, from each state",
+        "wheel speeds = accelerations within limits, friction and health",
+    } <= {check.name for check in audit.checks if check.first}
 
 
 @pytest.mark.parametrize("mode", ["lockstep", "free_run"])

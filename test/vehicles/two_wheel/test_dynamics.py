@@ -139,35 +139,46 @@ class Bodies:
     def locked(self):
         return np.column_stack([self.momentum(e, np.zeros(len(self.axial))) for e in np.eye(3)])
 
-    def fly(self, attitude, rate, speeds, acceleration, duration):
-        """DOP853 on d/dt (R h(omega, nu)) = 0, that is h' = -omega x h."""
+    def fly(self, attitude, rate, speeds, acceleration, duration, friction=(0.0, 0.0)):
+        """DOP853 on d/dt (R h(omega, nu)) = 0, that is h' = -omega x h; returns R, omega, nu.
+
+        ``friction`` is c [N m s] and tau [N m] of every wheel.
+        """
         mass = self.locked()
-        thrust = self.momentum(np.zeros(3), acceleration)
 
-        def derivative(t, x):
-            rotation, omega = x[:9].reshape(3, 3), x[9:]
-            torque = -np.cross(omega, self.momentum(omega, speeds + t * acceleration)) - thrust
+        def derivative(_, x):
+            rotation, omega, nu = x[:9].reshape(3, 3), x[9:12], x[12:]
+            rub = (friction[0] * nu + friction[1] * np.sign(nu)) / self.axial
+            torque = -np.cross(omega, self.momentum(omega, nu))
+            torque = torque - self.momentum(np.zeros(3), acceleration - rub)
             turn = rotation @ hat(omega)
-            return np.concatenate([turn.ravel(), np.linalg.solve(mass, torque)])
+            return np.concatenate([turn.ravel(), np.linalg.solve(mass, torque), acceleration - rub])
 
-        x = np.concatenate([attitude.ravel(), rate])
+        x = np.concatenate([attitude.ravel(), rate, speeds])
         end = solve_ivp(derivative, (0.0, duration), x, method="DOP853", rtol=1e-13, atol=1e-13)
-        return end.y[:9, -1].reshape(3, 3), end.y[9:, -1]
+        return end.y[:9, -1].reshape(3, 3), end.y[9:12, -1], end.y[12:, -1]
 
 
 @pytest.mark.parametrize("axes", WHEEL_SETS.values(), ids=WHEEL_SETS)
 @pytest.mark.parametrize("driven", [False, True])
-def test_it_converges_to_the_motion_of_separate_bodies_with_fourth_order(axes, driven):
+@pytest.mark.parametrize("friction", [(0.0, 0.0), (2e-3, 0.02)], ids=["free", "rubbing"])
+def test_it_converges_to_the_motion_of_separate_bodies_with_fourth_order(axes, driven, friction):
     rng = np.random.default_rng(2)
     bodies = Bodies(rng, axes)
     speeds = SPEEDS[: axes.shape[1]]
     acceleration = rng.normal(scale=10.0, size=len(speeds)) if driven else np.zeros(len(speeds))
-    turned, turning = bodies.fly(ATTITUDE, RATE, speeds, acceleration, 4.0)
+    acceleration *= 0.1 if any(friction) else 1.0  # so that no wheel comes to rest
+    turned, turning, spun = bodies.fly(ATTITUDE, RATE, speeds, acceleration, 4.0, friction)
+    assert np.array_equal(np.sign(spun), np.sign(speeds)) or not any(friction)
+    rub = {
+        f"{name}_friction": np.full(len(speeds), value)
+        for name, value in zip(("viscous", "coulomb"), friction, strict=True)
+    }
     errors = []
     for n in (40, 80, 160):
-        gyrostat = Gyrostat(bodies.locked(), axes, bodies.axial, 4.0 / n)
+        gyrostat = Gyrostat(bodies.locked(), axes, bodies.axial, 4.0 / n, **rub)
         state = gyrostat.step(gyrostat.state_from_rate(ATTITUDE, RATE, speeds), acceleration, n)
-        assert np.abs(state.wheel_speed - speeds - 4.0 * acceleration).max() < 1e-11
+        assert np.abs(state.wheel_speed - spun).max() < 1e-10
         off = np.linalg.norm(state.angular_velocity - turning)
         errors.append([lie.angle_between(state.attitude, turned), off])
     assert max(errors[-1]) < 1e-7

@@ -22,7 +22,13 @@ state = gyrostat.state_from_rate(
 commands = np.random.default_rng(0).normal(scale=20.0, size=(100, 4))
 motion = gyrostat.simulate(state, commands)
 end = gyrostat.step(state, commands[0], 20)
-np.savez(sys.argv[1], *motion, *end[:5])
+rubbing = small(
+    PYRAMID, 0.05, max_speed=60.0, max_acceleration=30.0,
+    viscous_friction=[3e-3, 0.0, 1e-3, 0.0], coulomb_friction=[0.1, 0.1, 0.0, 0.0],
+)
+slowed = rubbing.simulate(state, commands)
+stopped = rubbing.step(state, np.zeros(4), 200)
+np.savez(sys.argv[1], *motion, *end[:5], *slowed, *stopped[:5])
 """
 
 
@@ -40,7 +46,7 @@ def run(target, **environment):
 def test_compiled_and_interpreted_kernels_agree(tmp_path):
     compiled = run(tmp_path / "compiled.npz")
     interpreted = run(tmp_path / "interpreted.npz", NUMBA_DISABLE_JIT="1")
-    assert len(compiled) == 8
+    assert len(compiled) == 16
     for name, value in compiled.items():
         size = max(1.0, float(np.abs(value).max()))
         assert np.abs(value - interpreted[name]).max() < 1e-13 * size, name

@@ -52,6 +52,38 @@ def test_a_failed_wheel_holds_its_speed_and_the_others_turn_the_bus():
     assert np.abs(momentum(GYROSTAT, *parts)[0] - total).max() < 1e-15
 
 
+@pytest.mark.parametrize(
+    ("loss", "rises"),
+    [
+        ({"lost_friction": 0.11}, [2.0, 2.0]),  # 10 rad/s^2 against -20 rad/s
+        ({"lost_share": 0.25}, [-0.1, -0.1]),
+        ({"lost_share": 1.0}, [-0.4, -0.4]),
+        ({}, [0.0, 0.0]),
+    ],
+    ids=["friction", "partial", "all of it", "spinning"],
+)
+def test_kinds_of_loss(loss, rises):
+    flown = plant(substeps=4, lost_at=[math.inf, 0.2, math.inf, math.inf], **loss)
+    speeds = [START.wheel_speed, *(flown.step(COMMAND).wheel_speed for _ in range(3))]
+    assert np.diff(speeds, axis=0)[:, 1] == pytest.approx([-0.4, *rises], abs=1e-12)
+    others = np.delete(np.diff(speeds, axis=0), 1, axis=1)
+    assert others == pytest.approx(np.tile([0.6, 0.2, 8.0], (3, 1)), abs=1e-12)
+    assert flown.healthy.tolist() == [True, False, True, True]
+    assert np.array_equal(flown.state.applied, COMMAND)
+    parts = (part[None] for part in flown.state[1:4])
+    off = momentum(GYROSTAT, *parts)[0] - START.total_momentum
+    assert np.abs(off).max() < 1e-15
+
+
+def test_a_lost_wheel_comes_to_rest_and_stays():
+    flown = plant(substeps=4, n_steps=40, lost_at=[0.0, 0.0, 0.4, 0.2], lost_friction=0.11)
+    for _ in range(40):
+        state = flown.step(COMMAND)
+    assert np.array_equal(state.wheel_speed, np.zeros(4))
+    expected = np.linalg.solve(GYROSTAT.inertia, state.attitude.T @ START.total_momentum)
+    assert state.angular_velocity == pytest.approx(expected, abs=1e-14)
+
+
 def test_a_wheel_is_lost_at_the_step_that_starts_then_whatever_the_last_bit():
     flown = plant(substeps=43, lost_at=[15.05, math.inf, math.inf, math.inf])
     assert 15.05 / flown.period > 7.0
@@ -93,6 +125,8 @@ def test_invariants():
         ({"lost_at": [1.0, -2.0, 1.0, 1.0]}, "lost_at: .* required times >= 0"),
         ({"lost_at": [1.0, math.nan, 1.0, 1.0]}, "lost_at: .* required times >= 0"),
         ({"lost_at": "soon"}, "lost_at: received 'soon'"),
+        ({"lost_share": 1.5}, "lost_share: received 1.5; required a share of 0 to 1"),
+        ({"lost_friction": -1.0}, "lost_friction: received -1.0"),
     ],
 )
 def test_what_is_no_plant_is_refused(changes, words):

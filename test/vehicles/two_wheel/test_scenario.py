@@ -80,6 +80,29 @@ def test_a_start_by_euler_angles_is_that_by_a_rotation_vector():
     assert np.array_equal(by_angles.state.attitude, from_euler_321(np.array(vector)))
 
 
+def test_a_start_by_its_total_momentum_has_it_to_the_last_bit():
+    total, speeds = [1.0, -2.0, 0.5], [10.0, -20.0, 30.0]
+    changes = {"initial_total_momentum": total, "initial_wheel_speed": speeds}
+    plant = from_sections({"plant": {**LIMITED, **changes, "initial_euler_321": [0.5, 0.3, -0.4]}})
+    state = plant.build_plant().state
+    assert np.array_equal(state.total_momentum, total)
+    body = np.diag([430.0, 1210.0, 1300.0]) @ state.angular_velocity + 0.043 * np.array(speeds)
+    assert state.attitude @ body == pytest.approx(total, abs=1e-12)
+
+
+def test_wheels_that_span_one_dimension_are_refused_whatever_the_method():
+    axes = [1.0, 2.0, 0.0, 0.0, 0.0, 0.0]
+    plant = {**LIMITED, "wheel_axes": axes, "wheel_inertias": [0.01, 0.01]}
+    with pytest.raises(InvalidScenario, match=r"plant.wheel_axes: .*span 1 dim.*required [23]"):
+        from_sections({"plant": plant})
+
+
+def test_the_friction_of_a_lost_wheel_follows_from_its_limit():
+    assert from_sections({"plant": LIMITED}).plant.lost_wheel_friction == 0.0215  # 0.043 * 5 / 10
+    free = from_sections({"plant": AFRL, "nmpc_controller": {"settling_time": 500.0}})
+    assert free.plant.lost_wheel_friction == pytest.approx(0.043 * 10.0 / 500.0, rel=1e-11)
+
+
 def test_defaults_follow_from_the_limits():
     scenario = from_sections({"plant": LIMITED})
     # 2 s N / J_1 = 2 * 0.043 * 100 / 1300 is less than sqrt(s U / J_1)
@@ -153,6 +176,34 @@ REFUSED = {
     "losses of other wheels": (
         {"wheel_lost_at": [1.0]}, {}, r"plant.wheel_lost_at: .*required 3 numbers",
     ),
+    "a loss beyond the flight": (
+        {"wheel_lost_at": [-1.0, 2000.0, -1.0], "duration": 1000.0}, {},
+        r"plant.wheel_lost_at: .*required times before the end of the flight .*1000 s\); lose",
+    ),
+    "a share of a wheel that is dead": (
+        {"lost_wheel_share": 0.3}, {}, r"plant.lost_wheel_share: .*; required wheel_loss: partial",
+    ),
+    "friction of a wheel that spins on": (
+        {"lost_wheel_friction": 0.3, "wheel_loss": "spinning"}, {},
+        r"plant.lost_wheel_friction: .*required wheel_loss: friction beside it",
+    ),
+    "an unknown loss": ({"wheel_loss": "stuck"}, {}, r"plant.wheel_loss: .*friction, spinning"),
+    "friction of other wheels": (
+        {"wheel_viscous_friction": [1e-3]}, {},
+        r"plant.wheel_viscous_friction: .*required 3 numbers",
+    ),
+    "friction that drives": (
+        {"wheel_coulomb_friction": [-1e-3, 0.0, 0.0]}, {},
+        r"plant.wheel_coulomb_friction: .*0 to 1e\+15",
+    ),
+    "a momentum beside a rate": (
+        {"initial_total_momentum": [0.0] * 3, "initial_angular_velocity": [0.1, 0.0, 0.0]}, {},
+        r"plant.initial_angular_velocity: .*either it or initial_total_momentum; remove one",
+    ),
+    "one wheel": (
+        {"wheel_axes": [1.0, 0.0, 0.0], "wheel_inertias": [0.01]}, {},
+        r"plant.wheel_axes: received 1 .*span 1 dimension",
+    ),
     "two starts": (
         {"initial_euler_321": [0.1, 0.0, 0.0], "initial_rotation_vector": [0.1, 0.0, 0.0]}, {},
         r"plant.initial_rotation_vector: .*either it or initial_euler_321; remove one",
@@ -171,7 +222,7 @@ REFUSED = {
         r"plant.vehicle: received 'two_wheel' beside parameters of vehicle rigid_body",
     ),
     "another vehicle's method": (
-        {}, {"method": "shooting"}, r"nmpc_controller.method: .*required one of feedback",
+        {}, {"method": "terminal_set"}, r"nmpc_controller.method: .*required one of feedback",
     ),
 }  # fmt: skip
 

@@ -1,9 +1,10 @@
 """Equations of motion for many steps at once, independent of the plant's code.
 
-    R' = R hat(omega),   omega = J^-1 (R^T H - sum of a_i Js_i nu_i),   nu_i' = u_i or 0
+    R' = R hat(omega),   omega = J^-1 (R^T H - sum of a_i Js_i nu_i),
+    nu_i' = u_i - (c_i nu_i + tau_i sign nu_i) / Js_i
 
-with the wheels one by one from the scenario, u_i within the limits, and the classical Runge-Kutta
-method of fourth order at a quarter of the plant's step.
+with the wheels one by one from the scenario, u_i within the limits and by the health (`wheels`),
+and the classical Runge-Kutta method of fourth order at a quarter of the plant's step.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.audit.wheels import Wheels
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
@@ -24,6 +26,9 @@ ROUNDING: Final = 64.0 * 2.0**-53
 """Share of the largest magnitude that sums of a few products may be off."""
 _FINER: Final = 4  # steps of Runge and Kutta in one of the plant
 _FLOOR: Final = 1e-12  # of an attitude, whatever the step
+_KINK: Final = 0.5
+"""Error of the mean speed over a step in which the acceleration of a wheel jumps, over the jump
+times the step: below 0.08 for the trapezoids of the plant's stages, which pass it three times."""
 _ERROR: Final = 1e-3
 """Error of an integrator step over the fifth power of its turn; some 1e-6 for the plant's method,
 3e-5 for this one."""
@@ -40,8 +45,7 @@ class Equations:
     step_length: float
     """Of the plant's integrator [s]."""
     substeps: int
-    max_speed: float
-    max_acceleration: float
+    wheels: Wheels
 
     @classmethod
     def of(cls, scenario: Scenario) -> Equations:
@@ -54,8 +58,7 @@ class Equations:
             tuple(p.wheel_inertias.tolist()),
             p.time_step,
             scenario.substeps,
-            p.max_wheel_speed or math.inf,
-            p.max_wheel_acceleration or math.inf,
+            Wheels.of(p),
         )
 
     def momentum_defect(self, states: Sequence[WheelState]) -> tuple[Array, float]:
@@ -81,25 +84,33 @@ class Equations:
             After the step, and what the plant's attitude may be off, by the order of its method.
         """
         attitudes, rates, speeds, total, healthy = _stacked(states)
-        wanted = np.clip(commands, -self.max_acceleration, self.max_acceleration)
-        change = self.step_length * np.where(healthy, wanted, 0.0)
+        motion = self.wheels.motion(commands, healthy)
+        change = self.step_length * motion.largest(speeds)
         fastest = np.linalg.norm(rates, axis=1) + self._rate_scale(speeds, change, total)
-        h, top = self.step_length / _FINER, np.maximum(self.max_speed, np.abs(speeds))
-        for _ in range(self.substeps):
-            later = np.clip(speeds + change, -top, top)
-            slope = (later - speeds) / self.step_length
-            for i in range(_FINER):
-                attitudes = self._advanced(attitudes, total, speeds + i * h * slope, slope, h)
-            speeds = later
         limits = _ERROR * self.substeps * (self.step_length * fastest) ** 5 + _FLOOR
+        h = self.step_length / _FINER
+        for _ in range(self.substeps):
+            nodes = [motion.after(speeds, 0.5 * i * h) for i in range(2 * _FINER + 1)]
+            for i in range(_FINER):
+                attitudes = self._advanced(attitudes, total, nodes[2 * i : 2 * i + 3], h)
+            limits += self._kinks(motion.jump(speeds, nodes[-1]))
+            speeds = nodes[-1]
         return attitudes, speeds, limits
 
-    def _advanced(self, attitudes: Array, total: Array, nu: Array, slope: Array, h: float) -> Array:
-        """Return attitudes (n, 3, 3) after one step of Runge and Kutta."""
-        k_1 = self._derivative(attitudes, total, nu)
-        k_2 = self._derivative(attitudes + 0.5 * h * k_1, total, nu + 0.5 * h * slope)
-        k_3 = self._derivative(attitudes + 0.5 * h * k_2, total, nu + 0.5 * h * slope)
-        k_4 = self._derivative(attitudes + h * k_3, total, nu + h * slope)
+    def _kinks(self, jumps: Array) -> Array:
+        """Return the angle (n,) that jumps (n, m) of the wheels' accelerations in a step cost."""
+        least = float(np.linalg.eigvalsh(self.inertia)[0])
+        return np.asarray(_KINK * self.step_length**2 * (jumps @ np.array(self.axial)) / least)
+
+    def _advanced(self, attitudes: Array, total: Array, nu: list[Array], h: float) -> Array:
+        """Return attitudes (n, 3, 3) after one step of Runge and Kutta.
+
+        ``nu`` are the wheel speeds (n, m) at its start, middle and end.
+        """
+        k_1 = self._derivative(attitudes, total, nu[0])
+        k_2 = self._derivative(attitudes + 0.5 * h * k_1, total, nu[1])
+        k_3 = self._derivative(attitudes + 0.5 * h * k_2, total, nu[1])
+        k_4 = self._derivative(attitudes + h * k_3, total, nu[2])
         return np.asarray(attitudes + h / 6.0 * (k_1 + 2.0 * k_2 + 2.0 * k_3 + k_4))
 
     def _derivative(self, attitudes: Array, total: Array, speeds: Array) -> Array:

@@ -114,9 +114,8 @@ def _each_step(
     """Make each step from the recorded state before it, so that no difference hides another."""
     after = []
     for state, acceleration in zip(states, applied, strict=True):
-        command = np.where(state.healthy, acceleration, 0.0)
         try:
-            after.append(plant.gyrostat.step(state, command, plant.substeps))
+            after.append(plant.advance(state, acceleration))
         except GncError:
             ledger.fail(_EACH, "the step exists", state.step, _where("angular_velocity"))
             break
@@ -151,7 +150,7 @@ def _other_equations(
     turned, speeds, limits = equations.step(states, applied)
     after = steps + 1
     recorded = evidence.rows(STATE, "wheel_speed", after)
-    ledger.bound("wheel speeds = accelerations within limits and health", after,
+    ledger.bound("wheel speeds = accelerations within limits, friction and health", after,
                  _where("wheel_speed"), recorded - speeds, equations.speed_rounding(speeds),
                  "rad/s")  # fmt: skip
     attitudes = evidence.rows(STATE, "attitude", after).reshape(-1, 3, 3)

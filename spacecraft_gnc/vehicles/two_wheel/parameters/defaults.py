@@ -30,6 +30,8 @@ FEWEST_STEPS: Final = 40.0
 """Control periods in the settling time that is computed for a given period."""
 FREE_SETTLING: Final = 60.0
 """[s] where neither a limit nor a step asks for another."""
+FREE_SPEED: Final = 10.0
+"""[rad/s] from which a lost wheel stops in a settling time where no limit asks for another."""
 LARGEST_TURN: Final = 0.2
 """[rad] in an integrator step, at the initial rate."""
 _NANOSECOND: Final = 1e-9
@@ -100,10 +102,20 @@ def _rate_tolerance(checked: Checked) -> float:
     return _rounded(tolerance * SETTLING / _number(checked, _CONTROLLER, "settling_time"))
 
 
+def _lost_wheel_friction(checked: Checked) -> float:
+    axial = max(_list(checked, _PLANT, "wheel_inertias"), default=math.nan)
+    if not axial > 0.0:
+        raise Missing
+    deceleration = 0.1 * _number(checked, _PLANT, "max_wheel_acceleration")
+    settling = _number(checked, _CONTROLLER, "settling_time")
+    return _rounded(axial * (deceleration or FREE_SPEED / settling))
+
+
 _FORMULAS: Final[tuple[tuple[str, str, Callable[[Checked], Value]], ...]] = (
     (_CONTROLLER, "settling_time", _settling_time),
     (_PLANT, "time_step", _time_step),
     (_PLANT, "duration", _duration),
+    (_PLANT, "lost_wheel_friction", _lost_wheel_friction),
     (_CONTROLLER, "feedback_bandwidth", _bandwidth),
     (_GOVERNOR, "slew_rate_tolerance", _rate_tolerance),
 )

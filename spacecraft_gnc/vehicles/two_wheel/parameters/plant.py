@@ -74,16 +74,67 @@ class WheelParameters(PlantHost):
         minimum=0.0,
         maximum=LARGEST,
     )
+    wheel_viscous_friction: Array = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "m coefficients of viscous friction of the wheels' bearings; empty: none",
+        unit="N m s",
+        shape=(-1,),
+        may_be_empty=True,
+        minimum=0.0,
+        maximum=LARGEST,
+        is_neutral=True,
+    )
+    wheel_coulomb_friction: Array = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "m torques of Coulomb friction of the wheels' bearings; empty: none",
+        unit="N m",
+        shape=(-1,),
+        may_be_empty=True,
+        minimum=0.0,
+        maximum=LARGEST,
+        is_neutral=True,
+    )
     wheel_lost_at: Array = parameter(
         Kind.DOUBLE_ARRAY,
         [],
-        "m times from which on a wheel holds its speed, whatever is commanded; negative: never; "
-        "empty: none is lost",
+        "m times from which on a wheel is lost as wheel_loss says, within the flight; negative: "
+        "never; empty: none is lost",
         unit="s",
         shape=(-1,),
         may_be_empty=True,
         minimum=-1.0,
         maximum=LONGEST,
+    )
+    wheel_loss: str = parameter(
+        Kind.STRING,
+        "friction",
+        "what a lost wheel does: friction (its motor is dead, and it brakes to rest by "
+        "lost_wheel_friction beside that of its bearing), spinning (dead, and only its bearing "
+        "brakes it, if at all), partial (it answers lost_wheel_share of each command)",
+        choices=("friction", "spinning", "partial"),
+        is_neutral=True,
+    )
+    lost_wheel_friction: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "wheel_loss friction: Coulomb friction that brakes a lost wheel",
+        unit="N m",
+        minimum=0.0,
+        maximum=LARGEST,
+        formula="Js U / 10 with the largest Js and the limit U of acceleration; without it, what "
+        "stops the largest Js from 10 rad/s in a settling_time",
+        is_neutral=True,
+    )
+    lost_wheel_share: float = parameter(
+        Kind.DOUBLE,
+        0.5,
+        "wheel_loss partial: share of the commanded acceleration, within its limit, that a lost "
+        "wheel gives",
+        minimum=0.0,
+        maximum=1.0,
+        is_neutral=True,
     )
 
 
@@ -134,6 +185,17 @@ class PlantParameters(WheelParameters):
         "initial rate of the bus relative to the inertial frame, body frame",
         unit="rad/s",
         shape=(3,),
+        **WITHIN,
+    )
+    initial_total_momentum: Vector3 = parameter(
+        Kind.DOUBLE_ARRAY,
+        [],
+        "initial momentum of bus and wheels, inertial frame, which sets the initial rate; empty: "
+        "it follows from initial_angular_velocity",
+        unit="N m s",
+        shape=(3,),
+        may_be_empty=True,
+        is_neutral=True,
         **WITHIN,
     )
     initial_wheel_speed: Array = parameter(
