@@ -108,7 +108,7 @@ def _check_losses(checked: Checked) -> None:
         checked.complain(_PLANT, "wheel_lost_at", shown(lost), need, remedy)
     kind = checked.get(_PLANT, "wheel_loss")
     for name, of in (("lost_wheel_friction", "friction"), ("lost_wheel_share", "partial")):
-        if name in checked.given.get(_PLANT, {}) and kind != of:
+        if checked.is_changed(_PLANT, name) and kind != of:
             value, need = shown(checked.get(_PLANT, name)), f"wheel_loss: {of} beside it"
             checked.complain(_PLANT, name, value, need, f"remove it, or set wheel_loss: {of}")
 

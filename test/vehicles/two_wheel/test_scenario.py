@@ -98,9 +98,13 @@ def test_wheels_that_span_one_dimension_are_refused_whatever_the_method():
 
 
 def test_the_friction_of_a_lost_wheel_follows_from_its_limit():
-    assert from_sections({"plant": LIMITED}).plant.lost_wheel_friction == 0.0215  # 0.043 * 5 / 10
-    free = from_sections({"plant": AFRL, "nmpc_controller": {"settling_time": 500.0}})
+    lost = {"wheel_lost_at": [-1.0, 10.0, -1.0]}
+    limited = from_sections({"plant": {**LIMITED, **lost}})
+    assert limited.plant.lost_wheel_friction == 0.0215  # 0.043 * 5 / 10
+    settling = {"nmpc_controller": {"settling_time": 500.0}}
+    free = from_sections({"plant": {**AFRL, **lost}, **settling})
     assert free.plant.lost_wheel_friction == pytest.approx(0.043 * 10.0 / 500.0, rel=1e-11)
+    assert from_sections({"plant": LIMITED}).plant.lost_wheel_friction == 0.0
 
 
 def test_defaults_follow_from_the_limits():

@@ -103,6 +103,9 @@ def _rate_tolerance(checked: Checked) -> float:
 
 
 def _lost_wheel_friction(checked: Checked) -> float:
+    lost = max(_list(checked, _PLANT, "wheel_lost_at"), default=-1.0) >= 0.0
+    if not lost or checked.get(_PLANT, "wheel_loss") != "friction":
+        return 0.0
     axial = max(_list(checked, _PLANT, "wheel_inertias"), default=math.nan)
     if not axial > 0.0:
         raise Missing

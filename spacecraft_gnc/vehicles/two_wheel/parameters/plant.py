@@ -124,7 +124,7 @@ class WheelParameters(PlantHost):
         minimum=0.0,
         maximum=LARGEST,
         formula="Js U / 10 with the largest Js and the limit U of acceleration; without it, what "
-        "stops the largest Js from 10 rad/s in a settling_time",
+        "stops the largest Js from 10 rad/s in a settling_time; 0 where no wheel is lost so",
         is_neutral=True,
     )
     lost_wheel_share: float = parameter(
