@@ -68,6 +68,7 @@ class CommonParameters(ControllerHost):
         minimum=0.0,
         maximum=LARGEST,
         otherwise="plant.max_wheel_speed",
+        is_neutral=True,
     )
     max_wheel_acceleration: float = parameter(
         Kind.DOUBLE,

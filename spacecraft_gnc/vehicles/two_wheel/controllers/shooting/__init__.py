@@ -22,6 +22,7 @@ class ShootingParameters(FeedbackParameters):
         unit="steps",
         minimum=2,
         maximum=10_000,
+        is_neutral=True,
     )
 
 
