@@ -108,7 +108,7 @@ def holdable(
     across = inertia @ n
     size = float(np.linalg.norm(total_momentum))
     still = abs(kappa) <= NEGLIGIBLE * float(np.linalg.norm(across))
-    if size <= NEGLIGIBLE * float(np.linalg.eigvalsh(inertia)[0]):
+    if is_negligible(inertia, total_momentum):
         if still:
             return Held(Rest.AT_TARGET, target, np.zeros(3), 0.0)
         return Held(Rest.NOWHERE, target, -kappa * across / (across @ across), 0.0)
@@ -121,6 +121,12 @@ def holdable(
     axis, rate = _slowest(inertia, n, size, kappa)
     turn, loss = _carrying(target @ axis, direction)
     return Held(Rest.NOWHERE, turn @ target, rate * axis, loss)
+
+
+def is_negligible(inertia: Matrix3, momentum: Vector3) -> bool:
+    """Tell whether a momentum (3,) [N m s] turns the bus too slowly to count."""
+    least = float(np.linalg.eigvalsh(inertia)[0])
+    return float(np.linalg.norm(momentum)) <= NEGLIGIBLE * least
 
 
 def on_cone(
