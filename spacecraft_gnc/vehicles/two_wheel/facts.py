@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from typing import Final
 
 import numpy as np
 
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
+from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 
@@ -20,23 +23,28 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
     error = math.degrees(
         _angle(_start(scenario), _rotation(scenario.governor.target_rotation_vector))
     )
-    rate = float(np.linalg.norm(p.initial_angular_velocity))
+    given = np.isfinite(p.initial_total_momentum).all()
+    motion = (
+        f"total momentum {np.linalg.norm(p.initial_total_momentum):g} N m s"
+        if given
+        else f"bus at {np.linalg.norm(p.initial_angular_velocity):g} rad/s"
+    )
     speed = float(np.abs(p.initial_wheel_speed).max(initial=0.0))
     limits = (
         ("speed", p.max_wheel_speed, "rad/s"),
         ("acceleration", p.max_wheel_acceleration, "rad/s^2"),
     )
     kept = [f"{what} {value:g} {unit}" for what, value, unit in limits if value]
-    lost = [f"{i} at {t:g} s" for i, t in enumerate(p.wheel_lost_at.tolist()) if t >= 0.0]
+    lost = [f"{i} at {t:g} s" for i, t in enumerate(p.wheel_lost_at.tolist(), 1) if t >= 0.0]
     return Facts(
         body=f"principal moments {moments} kg m^2, {m} wheels",
-        start=f"{error:.4g} deg from the target, bus at {rate:g} rad/s, wheels up to {speed:g} "
-        "rad/s",
+        start=f"{error:.4g} deg from the target, {motion}, wheels up to {speed:g} rad/s",
         controller=f"bandwidth {c.feedback_bandwidth:g} rad/s, damping ratio "
         f"{c.feedback_damping_ratio:g}",
         rows=(
             ("wheel limits", ", ".join(kept) or "none"),
-            ("wheels lost", ", ".join(lost) or "none"),
+            ("wheel friction", _friction(p)),
+            ("wheels lost", f"{', '.join(lost)}: {_LOSS[p.wheel_loss](p)}" if lost else "none"),
         ),
         numbers={
             "initial_error_deg": error,
@@ -45,6 +53,22 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
             "max_wheel_acceleration": p.max_wheel_acceleration,
         },
     )
+
+
+def _friction(p: PlantParameters) -> str:
+    parts = (
+        ("viscous", p.wheel_viscous_friction, "N m s"),
+        ("Coulomb", p.wheel_coulomb_friction, "N m"),
+    )
+    kept = [f"{what} up to {value.max():g} {unit}" for what, value, unit in parts if value.any()]
+    return ", ".join(kept) or "none"
+
+
+_LOSS: Final[Mapping[str, Callable[[PlantParameters], str]]] = {
+    "friction": lambda p: f"braked by {p.lost_wheel_friction:g} N m",
+    "spinning": lambda _: "spinning on",
+    "partial": lambda p: f"answering {p.lost_wheel_share:g} of each command",
+}
 
 
 def _start(scenario: Scenario) -> Matrix3:

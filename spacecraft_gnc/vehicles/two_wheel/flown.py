@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
-from spacecraft_gnc.vehicles.two_wheel.summary import states
+from spacecraft_gnc.vehicles.two_wheel.summary import mode_name, states
+from spacecraft_gnc.vehicles.two_wheel.wheels import as_axes
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
@@ -53,6 +54,51 @@ def wheel_speed(flight: WheelFlight) -> Array:
 def wheel_names(flight: WheelFlight) -> list[str]:
     """Return how the wheels are called."""
     return [f"wheel {i + 1}" for i in range(flight.wheel_speed.shape[1])]
+
+
+class Event(NamedTuple):
+    """Something that happened to a wheel."""
+
+    time: float
+    """[s]"""
+    text: str
+    is_truth: bool
+    """It happened; else it was concluded on board."""
+
+
+def events(flight: WheelFlight) -> list[Event]:
+    """Return when wheels were lost, and when they were excluded on board."""
+    told = ((flight.healthy, "lost", True), (flight.diagnosed, "excluded", False))
+    found = [
+        Event(float(flight.time[np.argmin(column)]), f"{name} {what}", truth)
+        for healthy, what, truth in told
+        for name, column in zip(wheel_names(flight), healthy.T, strict=True)
+        if not column.all()
+    ]
+    return sorted(found)
+
+
+def beliefs(flight: WheelFlight) -> list[str]:
+    """Return how it is flown, and which wheels are excluded and lost, in words (n + 1)."""
+    names = np.array(wheel_names(flight), dtype=object)
+    rows = [
+        ", ".join(
+            [
+                mode_name(int(mode)),
+                *(f"{name} excluded" for name in names[~believed]),
+                *(f"{name} lost" for name in names[~healthy]),
+            ]
+        )
+        for mode, believed, healthy in zip(
+            flight.mode, flight.diagnosed, flight.healthy, strict=True
+        )
+    ]
+    return [*rows, rows[-1]]
+
+
+def axes_of(scenario: Scenario | None) -> Array | None:
+    """Return the unit axes (3, m) of the wheels, body frame; None: not known."""
+    return None if scenario is None else as_axes(scenario.plant.wheel_axes)
 
 
 def limit_of(scenario: Scenario | None, name: str) -> float:

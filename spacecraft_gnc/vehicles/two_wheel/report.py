@@ -19,7 +19,7 @@ from spacecraft_gnc.drawing.chart import (
     span,
     times_of,
 )
-from spacecraft_gnc.drawing.table import Row
+from spacecraft_gnc.drawing.table import NOTHING, Row
 from spacecraft_gnc.drawing.traces import (
     DASHES,
     Curve,
@@ -62,6 +62,14 @@ def _sources(run: Flown) -> str:
     return ", ".join(f"{name} {count}" for name, count in run.metrics["sources"].items())
 
 
+def _modes(run: Flown) -> str:
+    return ", ".join(f"{name} {count}" for name, count in run.metrics["modes"].items())
+
+
+def _unnoticed(run: Flown) -> str:
+    return NOTHING if run.metrics["wheel_lost_at"] is None else "never"
+
+
 ROWS: Final = (
     Row("Control steps", "steps"),
     Row("Control period", "period", "s"),
@@ -74,6 +82,8 @@ ROWS: Final = (
     Row("Limit of the acceleration", "max_wheel_acceleration_limit", "rad/s²", absent=_none),
     Row("Drift of the total momentum", "momentum_drift", "N m s"),
     Row("Wheel lost at", "wheel_lost_at", "s"),
+    Row("Loss noticed at", "wheel_loss_detected_at", "s", absent=_unnoticed),
+    Row("Flown", text=_modes),
     Row("Deadlines missed", "missed_deadlines"),
     Row("Steps on a fallback command", "fallback_steps"),
     Row("Incomplete steps", "missing_steps"),

@@ -9,6 +9,7 @@ import numpy as np
 
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode
 from spacecraft_gnc.vehicles.two_wheel.metrics import SETTLED_ANGLE, SETTLED_RATE, summarize
 
 if TYPE_CHECKING:
@@ -25,7 +26,8 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         ``steps``, ``missing_steps`` (lost by the recording), ``period`` and ``duration`` [s], those
         of `metrics.summarize`, ``max_wheel_speed_limit`` and ``max_wheel_acceleration_limit`` (None
         where there is none, or no scenario), ``momentum_drift`` (largest change of the total
-        momentum [N m s]), ``sources`` (steps by source), ``fallback_steps``,
+        momentum [N m s]), ``sources`` (steps by source), ``modes`` (steps by mode),
+        ``fallback_steps``,
         ``limits_exceeded`` (none: a wheel saturates), ``solve_time_median``, ``_p99``, ``_max`` [s]
         (None where nothing is solved).
     """
@@ -35,20 +37,21 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
     sources = Counter(flight.source.tolist())
     solve_time = flight.solve_time[np.isfinite(flight.solve_time)]
     quantiles = {"median": 0.5, "p99": 0.99, "max": 1.0}
-    healthy = np.vstack([flight.healthy, flight.healthy[-1:]])
-    target = flight.target[-1]
+    wheels = [np.vstack([known, known[-1:]]) for known in (flight.healthy, flight.diagnosed)]
+    target, modes = flight.target[-1], Counter(flight.mode.tolist())
     return {
         "steps": n,
         "missing_steps": int(np.count_nonzero(np.isnan(np.hstack(known)).any(axis=1))),
         "period": float(flight.period),
         "duration": float(times[-1]),
-        **summarize(times, attitude, rate, speed, flight.wheel_acceleration, target, healthy),
+        **summarize(times, attitude, rate, speed, flight.wheel_acceleration, target, *wheels),
         "max_wheel_speed_limit": (scenario and scenario.plant.max_wheel_speed) or None,
         "max_wheel_acceleration_limit": (
             (scenario and scenario.plant.max_wheel_acceleration) or None
         ),
         "momentum_drift": _drift(flight.total_momentum),
         "sources": {_named(source): count for source, count in sorted(sources.items())},
+        "modes": {mode_name(mode): count for mode, count in sorted(modes.items())},
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
         "limits_exceeded": [],
         **{
@@ -83,7 +86,15 @@ def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("drift of the momentum", f"{m['momentum_drift']:.2g} N m s"),
         ("command from", ", ".join(f"{name} {count}" for name, count in m["sources"].items())),
     ]
-    return rows if lost is None else [*rows, ("wheel lost", f"at {lost:g} s")]
+    if any(name != mode_name(Mode.NOMINAL) for name in m["modes"]):
+        rows.append(("flown", ", ".join(f"{name} {n}" for name, n in m["modes"].items())))
+    noticed = m["wheel_loss_detected_at"]
+    told = "not noticed" if noticed is None else f"noticed at {noticed:g} s"
+    if lost is not None:
+        rows.append(("wheel lost", f"at {lost:g} s, {told}"))
+    elif noticed is not None:
+        rows.append(("false alarm", told))
+    return rows
 
 
 def _beside_limit(m: dict[str, Any], name: str, unit: str) -> str:
@@ -95,6 +106,11 @@ def _beside_limit(m: dict[str, Any], name: str, unit: str) -> str:
 def _drift(momentum: Array) -> float:
     known = momentum[np.isfinite(momentum).all(axis=1)]
     return float(np.linalg.norm(known - known[0], axis=1).max()) if len(known) else 0.0
+
+
+def mode_name(mode: int) -> str:
+    """Return how a spacecraft is flown, in a word; unknown where it is no mode."""
+    return Mode(mode).name.lower() if 0 <= mode < len(Mode) else "unknown"
 
 
 def _named(source: int) -> str:
