@@ -1,0 +1,128 @@
+"""The problem of two wheels as a sparse nonlinear program of CasADi, with exact derivatives.
+
+Unknowns, stage after stage: speeds nu_k+1 and attitude a_k+1, with the flow as equality conditions
+(multiple shooting: the matrices are banded, which takes IPOPT half the time that unknowns nu alone
+take). nu_N is fixed by its bounds. The formulas are written here once more, not taken from the kernels
+of the own solver, whose reference this is.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc.extras import explained_imports
+from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.two_wheel.ocp.problem import WheelOcp
+
+with explained_imports():
+    import casadi as ca
+
+_TERMS = 10  # of the series of sine and cosine: exact to rounding up to a turn of pi in a step
+
+
+class Program(NamedTuple):
+    """Expressions of the program, and the bounds of its unknowns ``x`` and conditions ``g``."""
+
+    x: Any
+    p: Any
+    f: Any
+    g: Any
+    low_x: Array
+    high_x: Array
+    low_g: Array
+    high_g: Array
+
+
+def program(ocp: WheelOcp, soft: bool) -> Program:
+    """Return the program; parameters are the first attitude, the first speeds and the drift.
+
+    ``g`` holds N flows (na each), the terminal condition e_N = 0 (3; none where ``soft``), and the
+    accelerations (2 N). All are in the prediction frame.
+    """
+    N, na, T = ocp.horizon, width(ocp), ocp.time_step
+    first, nu_0, drift = ca.SX.sym("a", na), ca.SX.sym("nu", 2), ca.SX.sym("d", 3, N + 1)
+    stages = ca.SX.sym("stage", 2 + na, N)
+    nu, a = ca.horzcat(nu_0, stages[:2, :]), ca.horzcat(first, stages[2:, :])
+    u = (nu[:, 1:] - nu[:, :-1]) / T
+    w = ca.mtimes(ca.DM(ocp.rates), nu) + drift
+    f, flows = ca.SX(0), []
+    for k in range(N):
+        e = _coordinates(ocp.model, a[:, k])
+        f += ca.dot(ca.DM(ocp.attitude_weights) * e, e)
+        f += ocp.speed_weight * ca.dot(nu[:, k], nu[:, k])
+        f += ocp.acceleration_weight * ca.dot(u[:, k], u[:, k])
+        flows.append(a[:, k + 1] - _flow(ocp.model, T, a[:, k], w[:, k], w[:, k + 1]))
+    last = _coordinates(ocp.model, a[:, N])
+    conditions = [*flows, ca.SX(0, 1) if soft else last, ca.vec(u)]
+    if soft:
+        f += ocp.terminal_weight * ca.dot(last, last)
+    most_speed, most = ocp.max_speed or math.inf, ocp.max_acceleration or math.inf
+    high_x = np.full((N, 2 + na), math.inf)
+    high_x[:, :2] = most_speed
+    high_x[-1, :2] = 0.0
+    closed = np.zeros(na * N + (0 if soft else 3))
+    return Program(
+        x=ca.vec(stages),
+        p=ca.veccat(first, nu_0, drift),
+        f=f,
+        g=ca.vertcat(*conditions),
+        low_x=-high_x.ravel(),
+        high_x=high_x.ravel(),
+        low_g=np.concatenate([closed, np.full(2 * N, -most)]),
+        high_g=np.concatenate([closed, np.full(2 * N, most)]),
+    )
+
+
+def flows(ocp: WheelOcp) -> Any:
+    """Return the function (a_0, w (3, N+1)) -> attitudes (na, N) of the nodes after the first."""
+    a, w_0, w_1 = ca.SX.sym("a", width(ocp)), ca.SX.sym("w", 3), ca.SX.sym("w", 3)
+    step = ca.Function("step", [a, w_0, w_1], [_flow(ocp.model, ocp.time_step, a, w_0, w_1)])
+    return step.mapaccum(ocp.horizon)
+
+
+def coordinates(ocp: WheelOcp) -> Any:
+    """Return the function a -> e (3,)."""
+    a = ca.SX.sym("a", width(ocp))
+    return ca.Function("coordinates", [a], [_coordinates(ocp.model, a)])
+
+
+def width(ocp: WheelOcp) -> int:
+    """Return na: three angles of the simplified model, or the four components of a quaternion."""
+    return 3 if ocp.model == "simplified" else 4
+
+
+def _flow(model: str, T: float, a: Any, w_0: Any, w_1: Any) -> Any:
+    if model == "simplified":
+        # phi' = w_1, theta' = w_2, psi' = w_3 + w_2 phi with rates linear in time, in closed form.
+        area = 3 * w_0[1] * w_0[0] + w_0[1] * w_1[0] + 5 * w_1[1] * w_0[0] + 3 * w_1[1] * w_1[0]
+        yaw = T / 2 * (w_0[1] + w_1[1]) * a[0] + T**2 / 24 * area
+        return a + T / 2 * (w_0 + w_1) + ca.vertcat(0, 0, yaw)
+    turn = T / 2 * (w_0 + w_1) + T**2 / 12 * ca.cross(w_0, w_1)
+    t = ca.dot(turn, turn) / 4
+    cosine, sinc = _series(t, 0), _series(t, 1) / 2
+    d, v = sinc * turn, a[1:4]
+    return ca.vertcat(a[0] * cosine - ca.dot(v, d), a[0] * d + cosine * v + ca.cross(v, d))
+
+
+def _series(t: Any, odd: int) -> Any:
+    """Return sum of (-t)^k / (2k + odd)!: the cosine of sqrt(t), or its sine over itself."""
+    total = ca.SX(0)
+    for k in reversed(range(_TERMS + 1)):
+        total = total * t + (-1) ** k / math.factorial(2 * k + odd)
+    return total
+
+
+def _coordinates(model: str, a: Any) -> Any:
+    if model == "simplified":
+        return a
+    if model == "so3":
+        return 2 * a[1:4]
+    q, x, y, z = a[0], a[1], a[2], a[3]
+    return ca.vertcat(
+        ca.atan2(2 * (y * z + q * x), q * q - x * x - y * y + z * z),
+        ca.asin(2 * (q * y - x * z)),
+        ca.atan2(2 * (x * y + q * z), q * q + x * x - y * y - z * z),
+    )
