@@ -109,7 +109,7 @@ class IpoptSolver:
     ) -> Found:
         """Return what one start leads to."""
         built, ocp = self._get(soft), self.ocp
-        p, N, na = built.program, ocp.horizon, first.size
+        p, n, na = built.program, ocp.horizon, first.size
         w = (speeds @ ocp.rates.T + rates).T
         a = np.asarray(built.flows(first, w[:, :-1], w[:, 1:])).T
         ipopt = built.cold if warm is None else built.warm
@@ -119,8 +119,8 @@ class IpoptSolver:
             lbx=p.low_x, ubx=p.high_x, lbg=p.low_g, ubg=p.high_g,
         )  # fmt: skip
         stats = ipopt.stats()
-        stages = np.asarray(out["x"]).reshape(N, 2 + na)
-        prices = np.asarray(out["lam_x"]).reshape(N, 2 + na)[:, :2]
+        stages = np.asarray(out["x"]).reshape(n, 2 + na)
+        prices = np.asarray(out["lam_x"]).reshape(n, 2 + na)[:, :2]
         prices[-1] = 0.0  # nu_N is no bound
         lam = np.asarray(out["lam_g"]).ravel()
         e = np.asarray(built.coordinates(stages[-1, 2:])).ravel()
@@ -128,13 +128,13 @@ class IpoptSolver:
             [stats["iter_count"], _residual(stats), float(out["f"]), np.abs(e).sum(), 0.0]
         )
         status = _STATUS.get(stats["return_status"], Status.LINE_SEARCH_FAILED)
-        terminal = lam[N * na : N * na + (0 if soft else 3)]
+        terminal = lam[n * na : n * na + (0 if soft else 3)]
         return Found(
             status,
             np.vstack([speeds[0], stages[:, :2]]),
             np.vstack([first, stages[:, 2:]]),
             np.append(terminal, np.zeros(2)),
-            np.column_stack([prices, lam[-2 * N :].reshape(N, 2)]),
+            np.column_stack([prices, lam[-2 * n :].reshape(n, 2)]),
             report,
         )
 

@@ -1,9 +1,9 @@
 """The problem of two wheels as a sparse nonlinear program of CasADi, with exact derivatives.
 
 Unknowns, stage after stage: speeds nu_k+1 and attitude a_k+1, with the flow as equality conditions
-(multiple shooting: the matrices are banded, which takes IPOPT half the time that unknowns nu alone
-take). nu_N is fixed by its bounds. The formulas are written here once more, not taken from the kernels
-of the own solver, whose reference this is.
+(multiple shooting: the matrices are banded, and IPOPT takes half the time that it takes with the
+speeds as the only unknowns). nu_N is fixed by its bounds. The formulas are written here once more,
+not taken from the kernels of the own solver, whose reference this is.
 """
 
 from __future__ import annotations
@@ -42,28 +42,28 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
     ``g`` holds N flows (na each), the terminal condition e_N = 0 (3; none where ``soft``), and the
     accelerations (2 N). All are in the prediction frame.
     """
-    N, na, T = ocp.horizon, width(ocp), ocp.time_step
-    first, nu_0, drift = ca.SX.sym("a", na), ca.SX.sym("nu", 2), ca.SX.sym("d", 3, N + 1)
-    stages = ca.SX.sym("stage", 2 + na, N)
+    n, na, step = ocp.horizon, width(ocp), ocp.time_step
+    first, nu_0, drift = ca.SX.sym("a", na), ca.SX.sym("nu", 2), ca.SX.sym("d", 3, n + 1)
+    stages = ca.SX.sym("stage", 2 + na, n)
     nu, a = ca.horzcat(nu_0, stages[:2, :]), ca.horzcat(first, stages[2:, :])
-    u = (nu[:, 1:] - nu[:, :-1]) / T
+    u = (nu[:, 1:] - nu[:, :-1]) / step
     w = ca.mtimes(ca.DM(ocp.rates), nu) + drift
     f, flows = ca.SX(0), []
-    for k in range(N):
+    for k in range(n):
         e = _coordinates(ocp.model, a[:, k])
         f += ca.dot(ca.DM(ocp.attitude_weights) * e, e)
         f += ocp.speed_weight * ca.dot(nu[:, k], nu[:, k])
         f += ocp.acceleration_weight * ca.dot(u[:, k], u[:, k])
-        flows.append(a[:, k + 1] - _flow(ocp.model, T, a[:, k], w[:, k], w[:, k + 1]))
-    last = _coordinates(ocp.model, a[:, N])
+        flows.append(a[:, k + 1] - _flow(ocp.model, step, a[:, k], w[:, k], w[:, k + 1]))
+    last = _coordinates(ocp.model, a[:, n])
     conditions = [*flows, ca.SX(0, 1) if soft else last, ca.vec(u)]
     if soft:
         f += ocp.terminal_weight * ca.dot(last, last)
     most_speed, most = ocp.max_speed or math.inf, ocp.max_acceleration or math.inf
-    high_x = np.full((N, 2 + na), math.inf)
+    high_x = np.full((n, 2 + na), math.inf)
     high_x[:, :2] = most_speed
     high_x[-1, :2] = 0.0
-    closed = np.zeros(na * N + (0 if soft else 3))
+    closed = np.zeros(na * n + (0 if soft else 3))
     return Program(
         x=ca.vec(stages),
         p=ca.veccat(first, nu_0, drift),
@@ -71,8 +71,8 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
         g=ca.vertcat(*conditions),
         low_x=-high_x.ravel(),
         high_x=high_x.ravel(),
-        low_g=np.concatenate([closed, np.full(2 * N, -most)]),
-        high_g=np.concatenate([closed, np.full(2 * N, most)]),
+        low_g=np.concatenate([closed, np.full(2 * n, -most)]),
+        high_g=np.concatenate([closed, np.full(2 * n, most)]),
     )
 
 
@@ -94,13 +94,13 @@ def width(ocp: WheelOcp) -> int:
     return 3 if ocp.model == "simplified" else 4
 
 
-def _flow(model: str, T: float, a: Any, w_0: Any, w_1: Any) -> Any:
+def _flow(model: str, h: float, a: Any, w_0: Any, w_1: Any) -> Any:
     if model == "simplified":
         # phi' = w_1, theta' = w_2, psi' = w_3 + w_2 phi with rates linear in time, in closed form.
         area = 3 * w_0[1] * w_0[0] + w_0[1] * w_1[0] + 5 * w_1[1] * w_0[0] + 3 * w_1[1] * w_1[0]
-        yaw = T / 2 * (w_0[1] + w_1[1]) * a[0] + T**2 / 24 * area
-        return a + T / 2 * (w_0 + w_1) + ca.vertcat(0, 0, yaw)
-    turn = T / 2 * (w_0 + w_1) + T**2 / 12 * ca.cross(w_0, w_1)
+        yaw = h / 2 * (w_0[1] + w_1[1]) * a[0] + h**2 / 24 * area
+        return a + h / 2 * (w_0 + w_1) + ca.vertcat(0, 0, yaw)
+    turn = h / 2 * (w_0 + w_1) + h**2 / 12 * ca.cross(w_0, w_1)
     t = ca.dot(turn, turn) / 4
     cosine, sinc = _series(t, 0), _series(t, 1) / 2
     d, v = sinc * turn, a[1:4]

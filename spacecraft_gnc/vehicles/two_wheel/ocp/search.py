@@ -42,10 +42,10 @@ def solve(
     begun = perf_counter()
     rotation, target = as_rotation("attitude", attitude), as_rotation("reference", reference)
     speed = as_finite("wheel_speed", wheel_speed, (2,), "two numbers [rad/s]")
-    N, first = ocp.horizon, first_attitude(ocp, rotation, target)
-    rates = np.zeros((N + 1, 3))
+    nodes, first = ocp.horizon + 1, first_attitude(ocp, rotation, target)
+    rates = np.zeros((nodes, 3))
     if drift is not None:
-        rates = as_finite("drift", drift, (N + 1, 3), f"{N + 1} rates [rad/s]") @ ocp.frame
+        rates = as_finite("drift", drift, (nodes, 3), f"{nodes} rates [rad/s]") @ ocp.frame
 
     def start(speeds: Array, warm: WarmStart | None = None) -> Found:
         return run(first, speeds, rates, soft, warm)
