@@ -41,7 +41,11 @@ def least_curvature(
     flat = motion.reshape(-1, 2 * N)
     hessian = flat.T @ (hessians @ motion).reshape(-1, 2 * N)
     speeds, accelerations = motion[1:N, n - 2 : n][active[:-1, :2]], motion[:N, n:][active[:, 2:]]
-    conditions = np.vstack([end @ motion[N, :n], speeds, accelerations])
+    return reduced_curvature(hessian, np.vstack([end @ motion[N, :n], speeds, accelerations]))
+
+
+def reduced_curvature(hessian: Array, conditions: Array) -> float:
+    """Return the smallest eigenvalue of a Hessian (n, n) over the null space of rows (c, n)."""
     scaled = conditions / np.maximum(np.linalg.norm(conditions, axis=1, keepdims=True), 1e-300)
     _, sizes, rows = np.linalg.svd(scaled)
     free = rows[int(np.count_nonzero(sizes > 1e-10)) :]

@@ -12,10 +12,10 @@ from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.extras import explained_imports
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, ArrayLike
+from spacecraft_gnc.vehicles.two_wheel.ocp.certificate import reduced_curvature
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import WheelOcp
-from spacecraft_gnc.vehicles.two_wheel.ocp.search import solve
+from spacecraft_gnc.vehicles.two_wheel.ocp.search import IDENTITY, Found, solve
 from spacecraft_gnc.vehicles.two_wheel.ocp.solution import WarmStart, WheelSolution
-from spacecraft_gnc.vehicles.two_wheel.ocp.sqp import IDENTITY, Found
 
 _STATUS: Final = {
     "Solve_Succeeded": Status.CONVERGED,
@@ -30,14 +30,17 @@ _OPTIONS: Final = {
     "mumps_permuting_scaling": 0,  # 15 % faster on these matrices
     "mumps_scaling": 0,
 }
+_LEAST: Final = 1e-6
 _WARM: Final = {
-    "mu_init": 1e-3,
-    "bound_push": 1e-3,
-    "bound_frac": 1e-3,
-    "slack_bound_push": 1e-3,
-    "slack_bound_frac": 1e-3,
-}
-"""For a plan that is nearly optimal: 40 % fewer iterations than with the defaults."""
+    "warm_start_init_point": "yes",
+    "mu_init": _LEAST,
+    **{
+        f"warm_start_{kind}": _LEAST
+        for kind in ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac",
+                     "mult_bound_push")
+    },
+}  # fmt: skip
+"""For a plan and multipliers that are nearly optimal: 4 iterations where the defaults take 10."""
 
 
 class _Built(NamedTuple):
@@ -91,11 +94,12 @@ class IpoptSolver:
         drift: ArrayLike | None = None,
         warm_start: WarmStart | None = None,
         soft: bool = False,
+        search: bool = True,
     ) -> WheelSolution:
         """Find the plan from a state to rest at a reference, as `SqpSolver.solve`."""
         return solve(
-            self.ocp, self._run, self.restarts, self.seed,
-            attitude, wheel_speed, reference, drift, warm_start, soft,
+            self.ocp, self._run, _curvature, self.restarts, self.seed,
+            attitude, wheel_speed, reference, drift, warm_start, soft, search,
         )  # fmt: skip
 
     def _get(self, soft: bool) -> _Built:
@@ -112,10 +116,14 @@ class IpoptSolver:
         p, n, na = built.program, ocp.horizon, first.size
         w = (speeds @ ocp.rates.T + rates).T
         a = np.asarray(built.flows(first, w[:, :-1], w[:, 1:])).T
-        ipopt = built.cold if warm is None else built.warm
+        x = np.column_stack([speeds[1:], a]).ravel()
+        given = np.concatenate([first, speeds[0], rates.ravel()])
+        ipopt, multipliers = built.cold, {}
+        rows = 0 if soft else 3
+        if warm is not None and warm.terminal.size == rows + 2:
+            ipopt, multipliers = built.warm, _multipliers(p, x, given, warm, na)
         out = ipopt(
-            x0=np.column_stack([speeds[1:], a]).ravel(),
-            p=np.concatenate([first, speeds[0], rates.ravel()]),
+            x0=x, p=given, **multipliers,
             lbx=p.low_x, ubx=p.high_x, lbg=p.low_g, ubg=p.high_g,
         )  # fmt: skip
         stats = ipopt.stats()
@@ -128,7 +136,7 @@ class IpoptSolver:
             [stats["iter_count"], _residual(stats), float(out["f"]), np.abs(e).sum(), 0.0]
         )
         status = _STATUS.get(stats["return_status"], Status.LINE_SEARCH_FAILED)
-        terminal = lam[n * na : n * na + (0 if soft else 3)]
+        terminal = lam[n * na : n * na + rows]
         return Found(
             status,
             np.vstack([speeds[0], stages[:, :2]]),
@@ -136,7 +144,51 @@ class IpoptSolver:
             np.append(terminal, np.zeros(2)),
             np.column_stack([prices, lam[-2 * n :].reshape(n, 2)]),
             report,
+            _second_order(ipopt, out, given, rows),
         )
+
+
+def _second_order(ipopt: Any, out: dict[str, Any], given: Array, rows: int) -> tuple[Array, ...]:
+    """Return the Hessian of the Lagrangian and the Jacobian of the conditions at a solution."""
+    hessian = ipopt.get_function("nlp_hess_l")(out["x"], given, 1.0, out["lam_g"]).full()
+    return (
+        np.triu(hessian) + np.triu(hessian, 1).T,
+        ipopt.get_function("nlp_jac_g")(out["x"], given)[1].full(),
+        np.array(rows),
+    )
+
+
+def _curvature(found: Found) -> float:
+    """Return the least curvature of a plan by the accelerations, from CasADi's derivatives."""
+    hessian, jacobian, rows = found.matrices
+    n, na = found.speeds.shape[0] - 1, found.attitudes.shape[1]
+    accelerations = jacobian[-2 * n :].reshape(2 * n, n, 2 + na)[:, :, :2].reshape(2 * n, 2 * n)
+    active = found.active
+    motion = np.empty((n, 2 + na, 2 * n))
+    motion[:, :2] = np.linalg.inv(accelerations).reshape(n, 2, 2 * n)
+    flows = jacobian[: n * na].reshape(n * na, n, 2 + na)
+    by_speed, by_attitude = flows[:, :, :2].reshape(n * na, -1), flows[:, :, 2:].reshape(n * na, -1)
+    turned = np.linalg.solve(by_attitude, by_speed @ motion[:, :2].reshape(2 * n, 2 * n))
+    motion[:, 2:] = -turned.reshape(n, na, 2 * n)
+    flat = motion.reshape(-1, 2 * n)
+    conditions = [
+        jacobian[n * na : n * na + int(rows)] @ flat,
+        motion[-1, :2],
+        motion[:-1, :2][active[:-1, :2]],
+        np.eye(2 * n)[active[:, 2:].ravel()],
+    ]
+    return reduced_curvature(flat.T @ hessian @ flat, np.vstack(conditions))
+
+
+def _multipliers(p: Any, x: Array, given: Array, warm: WarmStart, na: int) -> dict[str, Array]:
+    """Return the multipliers of a warm start, in the order of the program."""
+    y = warm.terminal[:-2]
+    flows = np.asarray(p.costates(x, given, y)).T
+    stages = np.column_stack([warm.bounds[:, :2], np.zeros((len(flows), na))])
+    return {
+        "lam_x0": stages.ravel(),
+        "lam_g0": np.concatenate([flows.ravel(), y, warm.bounds[:, 2:].ravel()]),
+    }
 
 
 def _build(ocp: WheelOcp, soft: bool, tolerance: float, most: int) -> _Built:

@@ -34,6 +34,8 @@ class Program(NamedTuple):
     high_x: Array
     low_g: Array
     high_g: Array
+    costates: Any
+    """Function (x, p, y) -> multipliers of the flows (na, N), y those of the terminal condition."""
 
 
 def program(ocp: WheelOcp, soft: bool) -> Program:
@@ -49,6 +51,7 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
     u = (nu[:, 1:] - nu[:, :-1]) / step
     w = ca.mtimes(ca.DM(ocp.rates), nu) + drift
     f, flows = ca.SX(0), []
+    y = ca.SX.sym("y", 0 if soft else 3)
     for k in range(n):
         e = _coordinates(ocp.model, a[:, k])
         f += ca.dot(ca.DM(ocp.attitude_weights) * e, e)
@@ -56,24 +59,38 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
         f += ocp.acceleration_weight * ca.dot(u[:, k], u[:, k])
         flows.append(a[:, k + 1] - _flow(ocp.model, step, a[:, k], w[:, k], w[:, k + 1]))
     last = _coordinates(ocp.model, a[:, n])
-    conditions = [*flows, ca.SX(0, 1) if soft else last, ca.vec(u)]
+    terminal = ca.SX(0, 1) if soft else last
     if soft:
         f += ocp.terminal_weight * ca.dot(last, last)
+    x, p = ca.vec(stages), ca.veccat(first, nu_0, drift)
+    costates = _costates(f + ca.dot(y, terminal), flows, a)
     most_speed, most = ocp.max_speed or math.inf, ocp.max_acceleration or math.inf
     high_x = np.full((n, 2 + na), math.inf)
     high_x[:, :2] = most_speed
     high_x[-1, :2] = 0.0
     closed = np.zeros(na * n + (0 if soft else 3))
     return Program(
-        x=ca.vec(stages),
-        p=ca.veccat(first, nu_0, drift),
+        x=x,
+        p=p,
         f=f,
-        g=ca.vertcat(*conditions),
+        g=ca.vertcat(*flows, terminal, ca.vec(u)),
         low_x=-high_x.ravel(),
         high_x=high_x.ravel(),
         low_g=np.concatenate([closed, np.full(2 * n, -most)]),
         high_g=np.concatenate([closed, np.full(2 * n, most)]),
+        costates=ca.Function("costates", [x, p, y], [costates]),
     )
+
+
+def _costates(lagrangian: Any, flows: list[Any], a: Any) -> Any:
+    """Return the multipliers of the flows that make the Lagrangian stationary in the attitudes."""
+    later = -ca.gradient(lagrangian, a[:, -1])
+    found = [later]
+    for k in range(len(flows) - 1, 0, -1):
+        pull = ca.jtimes(flows[k], a[:, k], later, True)
+        later = -ca.gradient(lagrangian, a[:, k]) - pull
+        found.insert(0, later)
+    return ca.horzcat(*found)
 
 
 def flows(ocp: WheelOcp) -> Any:

@@ -13,47 +13,22 @@ Source of the problem: Kolmanovsky et al. 2016 (AFRL), 3.1.2; the method is ours
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
-from time import perf_counter
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 
-from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.status import Status
-from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_rotation
-from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321, to_euler_321
+from spacecraft_gnc.types import Array, ArrayLike
 from spacecraft_gnc.vehicles.two_wheel.ocp._sqp_kernels import sqp
 from spacecraft_gnc.vehicles.two_wheel.ocp.certificate import least_curvature
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import MODELS, WheelOcp
+from spacecraft_gnc.vehicles.two_wheel.ocp.search import IDENTITY, Found, solve
 from spacecraft_gnc.vehicles.two_wheel.ocp.solution import WarmStart, WheelSolution
-from spacecraft_gnc.vehicles.two_wheel.ocp.starts import can_stop, loops, random_plan, within
 
-IDENTITY: Final = np.eye(3)
 _FREE: Final = 1e7  # in place of a limit that does not exist, over the scale of what occurs
-_ACTIVE: Final = 1e-7  # multiplier of a bound that acts, over the largest one
 _PRICE: Final = 1.5  # of a missed end, over the largest weight of the attitude
-
-
-class Found(NamedTuple):
-    """What one start led to."""
-
-    status: Status
-    speeds: Array
-    attitudes: Array
-    multipliers: Array
-    bounds: Array
-    report: Array
-    matrices: tuple[Array, ...]
-    """Dynamics A, B, Hessians of the Lagrangian and conditions of the stages, at the end."""
-
-    @property
-    def rank(self) -> tuple[bool, float]:
-        """Order of preference, the best first: solved, then cheap; else near the reference."""
-        solved = self.status == Status.CONVERGED
-        return not solved, float(self.report[2 if solved else 3])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,84 +107,13 @@ class SqpSolver:
         ShapeError, ParameterError
             If an argument is refused. What does not converge is told by the status.
         """
-        begun = perf_counter()
-        rotation, target = as_rotation("attitude", attitude), as_rotation("reference", reference)
-        speed = np.asarray(wheel_speed, dtype=np.float64)
-        ocp = self.ocp
-        first = first_attitude(ocp, rotation, target)
-        rates = np.zeros((ocp.horizon + 1, 3)) if drift is None else np.asarray(drift) @ ocp.frame
-        found, tried = self._search(
-            first, speed, np.ascontiguousarray(rates), warm_start, soft, search
-        )
-        curvature = self._curvature(found)
-        status = found.status
-        if status == Status.CONVERGED and curvature < 0.0:
-            status = Status.SADDLE
-        attitudes = inertial_attitudes(ocp, found.attitudes, target)
-        rows = 0 if soft else 3
-        terminal = np.zeros(3)
-        terminal[:rows] = found.multipliers[:rows]
-        speeds = np.zeros((ocp.horizon + 1, 2))
-        speeds[1:] = found.bounds[:, :2]
-        return WheelSolution(
-            ocp=ocp,
-            soft=soft,
-            status=status,
-            accelerations=np.diff(found.speeds, axis=0) / ocp.time_step,
-            speeds=found.speeds,
-            attitudes=attitudes,
-            cost=float(found.report[2]),
-            terminal_violation=float(lie.angle_between(attitudes[-1], target)),
-            iterations=int(found.report[0]),
-            restarts=tried,
-            residual=float(found.report[1]),
-            min_curvature=curvature,
-            reference=target,
-            terminal_multipliers=terminal,
-            speed_multipliers=speeds,
-            acceleration_multipliers=found.bounds[:, 2:].copy(),
-            solve_time=perf_counter() - begun,
-        )
-
-    def _search(
-        self,
-        first: Array,
-        speed: Array,
-        rates: Array,
-        warm: WarmStart | None,
-        soft: bool,
-        search: bool,
-    ) -> tuple[Found, int]:
-        """Return the best of what the starts lead to, and how many there were beside the first."""
-        tried = []
-        if warm is not None:
-            speeds = within(self.ocp, warm.speeds, speed)
-            tried.append(self._run(first, speeds, rates, soft, warm))
-            if tried[0].status == Status.CONVERGED or not search:
-                return tried[0], 0
-        error = coordinates(self.ocp, first)
-        tried += [self._run(first, speeds, rates, soft) for speeds in loops(self.ocp, error, speed)]
-        best = min(tried, key=lambda found: found.rank)
-        if not can_stop(self.ocp, speed):
-            return best._replace(status=Status.INFEASIBLE), len(tried) - 1
-        for attempt in range(self.restarts):
-            if best.status == Status.CONVERGED:
-                break
-            speeds = random_plan(self.ocp, speed, self.seed, attempt)
-            tried.append(self._run(first, speeds, rates, soft))
-            best = min(tried, key=lambda found: found.rank)
-        return best, len(tried) - 1
-
-    def _curvature(self, found: Found) -> float:
-        """Return the least curvature of a plan; NaN where it does not keep the conditions."""
-        if found.status != Status.CONVERGED:
-            return math.nan
-        A, B, M, Ct = found.matrices
-        size = max(1.0, float(np.abs(found.bounds).max()))
-        return least_curvature((A, B), M, Ct, np.abs(found.bounds) > _ACTIVE * size)
+        return solve(
+            self.ocp, self._run, _curvature, self.restarts, self.seed,
+            attitude, wheel_speed, reference, drift, warm_start, soft, search,
+        )  # fmt: skip
 
     def _run(
-        self, first: Array, speeds: Array, rates: Array, soft: bool, warm: WarmStart | None = None
+        self, first: Array, speeds: Array, rates: Array, soft: bool, warm: WarmStart | None
     ) -> Found:
         """Return what one start leads to."""
         ocp = self.ocp
@@ -235,40 +139,10 @@ class SqpSolver:
         return Found(Status(status), nu, a, y, z, report, last)
 
 
-def first_attitude(ocp: WheelOcp, attitude: Matrix3, reference: Matrix3) -> Array:
-    """Return an attitude as the model has it: angles (3,), or the error's quaternion (4,)."""
-    error = ocp.frame.T @ reference.T @ attitude @ ocp.frame
-    return to_euler_321(error) if ocp.model == "simplified" else quaternion(error)
-
-
-def coordinates(ocp: WheelOcp, a: Array) -> Array:
-    """Return about the angles (3,) from the reference in the prediction frame [rad]."""
-    return a if ocp.model == "simplified" else 2.0 * a[1:] * math.copysign(1.0, a[0])
-
-
-def quaternion(rotation: Matrix3) -> Array:
-    """Return the unit quaternion (q0 >= 0, q) (4,) of a rotation."""
-    from spacecraft_gnc.signals.attitude import quaternion_of
-
-    x, y, z, w = np.array(quaternion_of(rotation)) * 1.0
-    q = np.array([w, x, y, z])
-    return q if w >= 0.0 else -q
-
-
-def inertial_attitudes(ocp: WheelOcp, a: Array, reference: Matrix3) -> Array:
-    """Return attitudes (N+1, 3, 3), body to inertial, of those of the model."""
-    if ocp.model == "simplified":
-        errors = np.array([from_euler_321(angles) for angles in a])
-    else:
-        w, x, y, z = (a / np.linalg.norm(a, axis=1, keepdims=True)).T
-        errors = np.array(
-            [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
-        ).transpose(2, 0, 1)
-    return np.asarray(reference @ ocp.frame @ errors @ ocp.frame.T)
+def _curvature(found: Found) -> float:
+    """Return the least curvature of a plan by the accelerations."""
+    A, B, M, Ct = found.matrices
+    return least_curvature((A, B), M, Ct, found.active)
 
 
 def _arena(ocp: WheelOcp, soft: bool) -> Any:
