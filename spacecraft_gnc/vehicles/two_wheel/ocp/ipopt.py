@@ -23,7 +23,7 @@ _STATUS: Final = {
     "Infeasible_Problem_Detected": Status.INFEASIBLE,
     "Invalid_Number_Detected": Status.NOT_FINITE,
 }
-_OPTIONS: Final = {
+_OPTIONS: Final[dict[str, Any]] = {
     "print_level": 0,
     "sb": "yes",
     "bound_relax_factor": 0.0,  # bounds are kept exactly
@@ -31,7 +31,7 @@ _OPTIONS: Final = {
     "mumps_scaling": 0,
 }
 _LEAST: Final = 1e-6
-_WARM: Final = {
+_WARM: Final[dict[str, Any]] = {
     "warm_start_init_point": "yes",
     "mu_init": _LEAST,
     **{
@@ -193,18 +193,12 @@ def _multipliers(p: Any, x: Array, given: Array, warm: WarmStart, na: int) -> di
 
 def _build(ocp: WheelOcp, soft: bool, tolerance: float, most: int) -> _Built:
     with explained_imports():
-        import casadi as ca
-    from spacecraft_gnc.vehicles.two_wheel.ocp import nlp
+        from spacecraft_gnc.vehicles.two_wheel.ocp import nlp
 
     program = nlp.program(ocp, soft)
     options = {**_OPTIONS, "tol": tolerance, "max_iter": most}
-    expressions = {"x": program.x, "p": program.p, "f": program.f, "g": program.g}
-
-    def ipopt(**more: float) -> Any:
-        settings = {"print_time": False, "ipopt": {**options, **more}}
-        return ca.nlpsol("two_wheels", "ipopt", expressions, settings)
-
-    return _Built(program, ipopt(), ipopt(**_WARM), nlp.flows(ocp), nlp.coordinates(ocp))
+    cold, warm = (nlp.ipopt(program, more) for more in (options, options | _WARM))
+    return _Built(program, cold, warm, nlp.flows(ocp), nlp.coordinates(ocp))
 
 
 def _residual(stats: dict[str, Any]) -> float:

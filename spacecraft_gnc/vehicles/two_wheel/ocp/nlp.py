@@ -11,14 +11,11 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+import casadi as ca
 import numpy as np
 
-from spacecraft_gnc.extras import explained_imports
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import WheelOcp
-
-with explained_imports():
-    import casadi as ca
 
 _TERMS = 10  # of the series of sine and cosine: exact to rounding up to a turn of pi in a step
 
@@ -80,6 +77,12 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
         high_g=np.concatenate([closed, np.full(2 * n, most)]),
         costates=ca.Function("costates", [x, p, y], [costates]),
     )
+
+
+def ipopt(program: Program, options: dict[str, Any]) -> Any:
+    """Return IPOPT, with options of its own, for a program."""
+    expressions = {"x": program.x, "p": program.p, "f": program.f, "g": program.g}
+    return ca.nlpsol("two_wheels", "ipopt", expressions, {"print_time": False, "ipopt": options})
 
 
 def _costates(lagrangian: Any, flows: list[Any], a: Any) -> Any:
