@@ -9,21 +9,22 @@ import numpy as np
 
 from spacecraft_gnc.vehicles.two_wheel.build import plant
 from spacecraft_gnc.vehicles.two_wheel.controllers.methods import METHODS
+from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import UnderactuatedParameters
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
 _SPHEROID: Final = [1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]  # [kg m^2]
-_AXES: Final = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
 
 
 def flights() -> Iterator[dict[str, Any]]:
     """Yield scenarios, by section: every method."""
     for method in METHODS:
+        wheels = 2 if method.parameters is UnderactuatedParameters else 3
         yield {
             "plant": {
                 "vehicle": "two_wheel",
                 "inertia": _SPHEROID,
-                "wheel_axes": _AXES,
-                "wheel_inertias": [0.01, 0.01, 0.01],
+                "wheel_axes": np.eye(3)[:, :wheels].ravel().tolist(),
+                "wheel_inertias": [0.01] * wheels,
                 "time_step": 0.4,
                 "duration": 1.0,
             },

@@ -5,14 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-from spacecraft_gnc.vehicles.two_wheel.controllers import feedback, shooting
+from spacecraft_gnc.vehicles.two_wheel.controllers import (
+    feedback,
+    shooting,
+    underactuated,
+)
 from spacecraft_gnc.vehicles.two_wheel.controllers.shooting import ShootingParameters
+from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import UnderactuatedParameters
 from spacecraft_gnc.vehicles.two_wheel.parameters.common import CommonParameters
 from spacecraft_gnc.vehicles.vehicle import Method
 
-METHODS: Final[tuple[Method, ...]] = (feedback.METHOD, shooting.METHOD)
+METHODS: Final[tuple[Method, ...]] = (feedback.METHOD, shooting.METHOD, underactuated.METHOD)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class ControllerParameters(ShootingParameters, CommonParameters):
+class ControllerParameters(ShootingParameters, UnderactuatedParameters, CommonParameters):
     """Section ``nmpc_controller``: what every method reads, and what each one adds."""
