@@ -2,8 +2,9 @@
 
 With the bandwidth w of the feedback law a turn from rest takes a torque of at most w^2 J_1 and a
 momentum of at most w J_1 / 2, where J_1 is the largest moment of inertia. Wheels that start without
-momentum give every torque up to s U and every momentum up to s N, where s is the least singular
-value of A Js, U the limit of acceleration and N that of speed (docs/two_wheel.md).
+momentum give every torque up to s U and every momentum up to s N (two wheels: of their plane),
+where s is the least singular value of A Js, U the limit of acceleration and N that of speed
+(docs/two_wheel.md).
 
 Each formula stands in words beside its parameter; docs/scenario.md prints them.
 """
@@ -65,9 +66,11 @@ def _bandwidths(checked: Checked) -> Iterator[float]:
     if axes.shape[1] != axial.size:
         raise Missing
     wheels = axes / np.linalg.norm(axes, axis=0) * axial
-    weakest = float(np.linalg.svd(wheels, compute_uv=False)[-1]) if axial.size >= 3 else 0.0
-    if not weakest > 0.0:
+    if axial.size < 2:
         raise Missing  # a rank that the checks refuse
+    weakest = float(np.linalg.svd(wheels, compute_uv=False)[-1])
+    if not weakest > 0.0:
+        raise Missing  # likewise
     share = weakest / float(np.linalg.eigvalsh(inertia)[-1])
     if acceleration:
         yield math.sqrt(share * acceleration)

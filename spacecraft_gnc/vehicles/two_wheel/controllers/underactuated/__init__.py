@@ -20,8 +20,8 @@ class UnderactuatedParameters:
     prediction_model: str = parameter(
         Kind.STRING,
         "so3",
-        "underactuated: model of the attitude; so3: exact, on rotations; euler_321: exact, in 3-2-1 "
-        "angles; simplified: for small angles",
+        "underactuated: model of the attitude; so3: exact, on rotations; euler_321: exact, in "
+        "3-2-1 angles; simplified: for small angles",
         choices=("simplified", "euler_321", "so3"),
     )
     solver: str = parameter(
@@ -41,8 +41,8 @@ class UnderactuatedParameters:
     attitude_weights: Array = parameter(
         Kind.DOUBLE_ARRAY,
         [],
-        "underactuated: weights of the attitude error about the first wheel's direction, the second "
-        "one in the plane of both, and the third; empty: 1, 1, 30 with so3, else 1, 1, 10",
+        "underactuated: weights of the attitude error about the first wheel's direction, the "
+        "second one in the plane of both, and the third; empty: 1, 1, 30 with so3, else 1, 1, 10",
         unit="rad^-2",
         shape=(3,),
         may_be_empty=True,

@@ -39,7 +39,7 @@ _SEARCHES: Final = 4
 _FASTER: Final = 1.5
 """First waypoint tried, in units of the way that was found in the step before."""
 _NEAR: Final = 0.01
-"""Angle [rad] off its reference by which a plan with a soft end says that a hard end is possible."""
+"""Angle [rad] off its reference up to which a plan with a soft end says that a hard one exists."""
 
 
 class Plan(NamedTuple):
