@@ -4,12 +4,14 @@
 
     omega = k (e x g) + beta f,   n . J omega = n . R^T H - kappa,
 
-where f = J n, along e, without momentum, and f = g with it, for d is then along H. The second
-equation is what the wheels cannot change, and gives beta; any such omega they can make. Then
+where the second equation is what the wheels cannot change, and gives beta; any such omega they can
+make. Without momentum f = J n, along e, so that
 
     d/dt (e . g) = omega . (e x g) = k |e x g|^2,
 
-and the axis comes to its direction from everywhere but the opposite one.
+and the axis comes to its direction from everywhere but the opposite one. With momentum d is along
+H, and the same holds of f = g, about which the rotation stays steady; far from d, where that
+rotation would be fast, f = J n is taken if it comes nearer sooner within the limit of speed.
 
 **Rest** where n . R^T H = kappa, with H != 0. Next to an attitude W of rest, R = W exp(hat(eta)),
 
@@ -77,6 +79,10 @@ class TwoWheels:
         """Return the speeds of the wheels left at a rate (3,) with momenta R^T H and h (3,)."""
         return np.asarray(self._inverse @ (total - dead - self.gyrostat.inertia @ rate))
 
+    def rate_of(self, speeds: Array, total: Vector3, dead: Vector3) -> Vector3:
+        """Return the rate (3,) of the bus with such speeds (2,) of the wheels left [rad/s]."""
+        return np.asarray(np.linalg.solve(self.gyrostat.inertia, total - dead - self.own @ speeds))
+
     def accelerations(self, wheel_speed: Array, wanted: Array) -> Array:
         """Return accelerations (m,) from those wanted of the wheels left (2,) [rad/s^2].
 
@@ -110,30 +116,29 @@ def keep_turning(wheels: TwoWheels, state: WheelState, held: Held, ahead: Array)
     attitude = state.attitude @ lie.exp(period * state.angular_velocity)
     total, dead = attitude.T @ state.total_momentum, wheels.dead_momentum(ahead)
     g = attitude.T @ (held.attitude @ axis)
-    fixed = float(wheels.normal @ (total - dead))
-    about = wheels.across if _leads(wheels, axis, g, fixed) or not total.any() else g
-    turn, along = _GAIN / period * np.cross(axis, g), float(wheels.across @ about)
-    steady = wheels.speeds_for(fixed / along * about, total, dead)
-    share = (fixed - float(wheels.across @ turn)) / along
-    wanted = wheels.speeds_for(share * about + turn, total, dead)
-    way = wanted - steady
-    aim = steady + _part(steady, way, wheels.gyrostat.max_speed) * way
+    aside = np.cross(axis, g)
+    near = float(axis @ g) > 0.0 and float(np.linalg.norm(aside)) < _NEAR
+    ways = [g] if near and total.any() else [wheels.across, g] if total.any() else [wheels.across]
+    aims = [_aim(wheels, about, _GAIN / period * aside, total, dead) for about in ways]
+    progress = [float(aside @ wheels.rate_of(aim, total, dead)) for aim in aims]
+    aim = aims[int(np.argmax(progress))]
     return wheels.accelerations(
         state.wheel_speed, (aim - state.wheel_speed[wheels.healthy]) / period
     )
 
 
-def _leads(wheels: TwoWheels, axis: Vector3, g: Vector3, fixed: float) -> bool:
-    """Tell whether the slowest rotation at ``g``, about J n, may be added on the way to ``axis``.
+def _aim(wheels: TwoWheels, about: Vector3, turn: Vector3, total: Vector3, dead: Vector3) -> Array:
+    """Return wheel speeds (2,) for a turn and the rotation about an axis that remains beside it.
 
-    It may where it does not lead away; it has to where the rotation about ``g`` would be too fast.
-    Next to ``axis`` it may not, for there it would not be steady.
+    Of the turn (3,) [rad/s], as much as the limit of speed leaves.
     """
-    across = wheels.across / float(np.linalg.norm(wheels.across))
-    aside = np.cross(axis, g)
-    near = float(axis @ g) > 0.0 and float(np.linalg.norm(aside)) < _NEAR
-    flat = abs(float(across @ g)) < _FLATTEST
-    return flat or (not near and fixed * float(across @ aside) >= 0.0)
+    along, fixed = float(wheels.across @ about), float(wheels.normal @ (total - dead))
+    if abs(along) < _FLATTEST * float(np.linalg.norm(wheels.across) * np.linalg.norm(about)):
+        about, along = wheels.across, float(wheels.across @ wheels.across)
+    steady = wheels.speeds_for(fixed / along * about, total, dead)
+    share = (fixed - float(wheels.across @ turn)) / along
+    way = wheels.speeds_for(share * about + turn, total, dead) - steady
+    return steady + _part(steady, way, wheels.gyrostat.max_speed) * way
 
 
 def _part(start: Array, way: Array, top: float) -> float:
