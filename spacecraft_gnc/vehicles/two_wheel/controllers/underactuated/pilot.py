@@ -110,7 +110,7 @@ def problem_of(
         gyrostat.wheels[:, healthy],
         gyrostat.time_step,
         p.horizon,
-        p.attitude_weights if p.attitude_weights.size else (1.0, 1.0, third),
+        p.attitude_weights if np.isfinite(p.attitude_weights).all() else (1.0, 1.0, third),
         p.speed_weight,
         p.acceleration_weight,
         gyrostat.max_speed,
