@@ -9,11 +9,12 @@ from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.parameters.parameter import LARGEST, Kind, parameter
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.controllers.shooting import ShootingParameters
+from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import UnderactuatedParameters
 from spacecraft_gnc.vehicles.vehicle import Method
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
-class FaultTolerantParameters(ShootingParameters):
+class FaultTolerantParameters(ShootingParameters, UnderactuatedParameters):
     """Parameters of ``method: fault_tolerant``."""
 
     wheel_viscous_friction: Array = parameter(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import Command, Reference, Source
 from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.vehicles.two_wheel.build import believed_gyrostat
 from spacecraft_gnc.vehicles.two_wheel.controllers.fault_tolerant.holding import (
     TwoWheels,
     brake,
@@ -27,29 +28,12 @@ from spacecraft_gnc.vehicles.two_wheel.controllers.report import (
     solve_of,
 )
 from spacecraft_gnc.vehicles.two_wheel.controllers.shooting.pilot import ShootingPilot
+from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated.pilot import TwoWheelPilot
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
 from spacecraft_gnc.vehicles.two_wheel.hold import Held, holdable, is_negligible, span_of
 from spacecraft_gnc.vehicles.two_wheel.monitor import Reading, ResidualTest, WheelMonitor
+from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
-
-
-class TwoWheelPilot(Protocol):
-    """Flies by two wheels, without total momentum."""
-
-    horizon: int
-    """Steps of its plans."""
-
-    def command(self, state: WheelState, reference: Matrix3, drift: Array) -> Command:
-        """Return the accelerations (m,) of a step, zero for the other wheels.
-
-        ``drift`` (N + 1, 3): rate that the other wheels give the bus over the plan [rad/s].
-        """
-
-    def warm_up(self) -> None:
-        """Compile or load everything that `command` needs."""
-
-    def reset(self) -> None:
-        """Forget the last plan."""
 
 
 class _Expected(NamedTuple):
@@ -97,6 +81,37 @@ class FaultTolerantController:
         self._pilot_of, self._two_wheel_pilot_of = pilot_of, two_wheel_pilot_of
         self._all = pilot_of(np.ones(gyrostat.n_wheels, dtype=bool))
         self.reset()
+
+    @classmethod
+    def from_scenario(cls, scenario: Scenario) -> FaultTolerantController:
+        """Build the controller of a scenario's section ``nmpc_controller``.
+
+        Raises
+        ------
+        GncError
+            If the axes of all wheels do not span three dimensions.
+        """
+        c, gyrostat = scenario.controller, believed_gyrostat(scenario)
+
+        def pilot_of(healthy: NDArray[np.bool_]) -> ShootingPilot:
+            return ShootingPilot(
+                gyrostat, c.feedback_bandwidth, c.feedback_damping_ratio, c.torque_horizon, healthy
+            )
+
+        def two_wheel_pilot_of(healthy: NDArray[np.bool_]) -> TwoWheelPilot:
+            return TwoWheelPilot(gyrostat, c, healthy)
+
+        none = np.zeros(gyrostat.n_wheels)
+        test = ResidualTest(
+            scenario.period,
+            gyrostat.wheel_inertias,
+            c.wheel_viscous_friction if c.wheel_viscous_friction.size else none,
+            c.wheel_coulomb_friction if c.wheel_coulomb_friction.size else none,
+            gyrostat.max_speed,
+            gyrostat.max_acceleration,
+            scenario.substeps,
+        )
+        return cls(gyrostat, test, pilot_of, two_wheel_pilot_of)
 
     def warm_up(self) -> None:
         """Compile or load the kernels of every way to fly."""
