@@ -85,8 +85,10 @@ class Equations:
         """
         attitudes, rates, speeds, total, healthy = _stacked(states)
         motion = self.wheels.motion(commands, healthy)
-        change = self.step_length * motion.largest(speeds)
-        fastest = np.linalg.norm(rates, axis=1) + self._rate_scale(speeds, change, total)
+        most = motion.largest(speeds)
+        fastest = np.linalg.norm(rates, axis=1)
+        fastest += self._rate_scale(speeds, self.step_length * most, total)
+        fastest += np.sqrt(self._rate_scale(np.zeros_like(most), most, 0.0 * total))
         limits = _ERROR * self.substeps * (self.step_length * fastest) ** 5 + _FLOOR
         h = self.step_length / _FINER
         for _ in range(self.substeps):

@@ -38,7 +38,7 @@ _SEARCHES: Final = 4
 """Waypoints that are tried in one step."""
 _FASTER: Final = 1.5
 """First waypoint tried, in units of the way that was found in the step before."""
-_NEAR: Final = 0.01
+_NEAR: Final = 3e-3
 """Angle [rad] off its reference up to which a plan with a soft end says that a hard one exists."""
 
 
@@ -159,7 +159,7 @@ class TwoWheelPlanner:
             solution = self._to(state, reference, warm)
             if solution.converged or self.terminal == "hard":
                 return solution, Terminal.REFERENCE
-        solution = self._nearest(state, reference, warm)
+        solution = self._nearest(state, reference, warm, search=self.terminal == "soft")
         if solution.converged and not solution.soft:
             self._path = Path(reference, np.empty((0, 3)), np.empty(0))
             return solution, Terminal.REFERENCE
@@ -167,23 +167,26 @@ class TwoWheelPlanner:
             return solution, Terminal.SOFT
         return self._farthest(state, reference, warm), Terminal.WAYPOINT
 
-    def _to(self, state: _State, end: Matrix3, warm: WarmStart | None) -> WheelSolution:
+    def _to(
+        self, state: _State, end: Matrix3, warm: WarmStart | None, **options: bool
+    ) -> WheelSolution:
         """Return the plan that ends at rest at an attitude."""
         attitude, wheel_speed, drift = state
-        return self.solver.solve(attitude, wheel_speed, end, drift=drift, warm_start=warm)
+        return self.solver.solve(
+            attitude, wheel_speed, end, drift=drift, warm_start=warm, **options
+        )
 
-    def _nearest(self, state: _State, end: Matrix3, warm: WarmStart | None) -> WheelSolution:
+    def _nearest(
+        self, state: _State, end: Matrix3, warm: WarmStart | None, *, search: bool = False
+    ) -> WheelSolution:
         """Return the plan that ends at an attitude, or one with a soft end where it is too far.
 
         A plan with a soft end always exists, and tells whether there is one with a hard end.
         """
-        attitude, wheel_speed, drift = state
-        near = self.solver.solve(
-            attitude, wheel_speed, end, drift=drift, warm_start=warm, soft=True
-        )
+        near = self._to(state, end, warm, soft=True, search=search)
         if not near.converged or near.terminal_violation > _NEAR:
             return near
-        solution = self._to(state, end, _start_of(near))
+        solution = self._to(state, end, _start_of(near), search=False)
         return solution if solution.converged else near
 
     def _farthest(self, state: _State, reference: Matrix3, warm: WarmStart | None) -> WheelSolution:
