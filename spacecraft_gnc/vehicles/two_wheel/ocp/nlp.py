@@ -82,7 +82,8 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
 def ipopt(program: Program, options: dict[str, Any]) -> Any:
     """Return IPOPT, with options of its own, for a program."""
     expressions = {"x": program.x, "p": program.p, "f": program.f, "g": program.g}
-    return ca.nlpsol("two_wheels", "ipopt", expressions, {"print_time": False, "ipopt": options})
+    settings = {"print_time": False, "show_eval_warnings": False, "ipopt": options}
+    return ca.nlpsol("two_wheels", "ipopt", expressions, settings)
 
 
 def _costates(lagrangian: Any, flows: list[Any], a: Any) -> Any:
