@@ -82,7 +82,7 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
 def ipopt(program: Program, options: dict[str, Any]) -> Any:
     """Return IPOPT, with options of its own, for a program."""
     expressions = {"x": program.x, "p": program.p, "f": program.f, "g": program.g}
-    settings = {"print_time": False, "show_eval_warnings": False, "ipopt": options}
+    settings: dict[str, Any] = {"print_time": False, "show_eval_warnings": False, "ipopt": options}
     return ca.nlpsol("two_wheels", "ipopt", expressions, settings)
 
 
