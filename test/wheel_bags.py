@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from mcap.reader import make_reader
 from recording.bags import CODEC
 
-from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.loop.protocols import Command, Source
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.signals.message import period_ns, stamp_of
+from spacecraft_gnc.vehicles.two_wheel.build import believed_gyrostat
+from spacecraft_gnc.vehicles.two_wheel.controllers.feedback.law import WheelFeedback
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import (
+    Diagnosis,
+    Mode,
+    Rest,
+    WheelReport,
+)
+from spacecraft_gnc.vehicles.two_wheel.monitor import ResidualTest, WheelMonitor
 from spacecraft_gnc.vehicles.two_wheel.outputs import Outputs
 from spacecraft_gnc.vehicles.two_wheel.signals import SIGNALS
 
@@ -55,10 +65,48 @@ def sections(**changes):
     return {name: {**SECTIONS.get(name, {}), **changes.get(name, {})} for name in names}
 
 
-def fly(folder, flown=SECTIONS, targets=None, late=()):
+class Watching:
+    """A feedback law that excludes the wheels which a residual test finds."""
+
+    def __init__(self, scenario):
+        p = scenario.plant
+        none = np.zeros(p.wheel_inertias.size)
+        viscous, coulomb = p.wheel_viscous_friction, p.wheel_coulomb_friction
+        self.monitor = WheelMonitor(
+            ResidualTest(
+                scenario.period,
+                p.wheel_inertias,
+                viscous if viscous.size else none,
+                coulomb if coulomb.size else none,
+                p.max_wheel_speed,
+                p.max_wheel_acceleration,
+                scenario.substeps,
+            )
+        )
+        self.scenario = scenario
+
+    def command(self, state, reference):
+        """Return the command of the law with the wheels that are left."""
+        seen = self.monitor.observe(state)
+        law = WheelFeedback(
+            believed_gyrostat(self.scenario),
+            self.scenario.controller.feedback_bandwidth,
+            healthy=seen.healthy,
+        )
+        mode = Mode.NOMINAL if seen.healthy.all() else Mode.REALLOCATED
+        diagnosis = Diagnosis(
+            seen.healthy, seen.residual, seen.threshold, seen.response, mode, Rest.AT_TARGET,
+            np.zeros(3), reference.attitude, 0.0,
+        )  # fmt: skip
+        control = law.acceleration(state, reference.attitude)
+        return Command(control, Source.METHOD, WheelReport(None, diagnosis))
+
+
+def fly(folder, flown=SECTIONS, targets=None, late=(), *, watching=False):
     """Fly a scenario and record it as the nodes would; return the bag and the flown states.
 
-    At the steps of ``targets`` the target changes; at the steps ``late`` no command arrives.
+    At the steps of ``targets`` the target changes; at the steps ``late`` no command arrives. With
+    ``watching`` the wheels are watched, and those that fail are excluded.
     """
     scenario = from_sections(flown)
     plant, controller, governor = (
@@ -66,6 +114,7 @@ def fly(folder, flown=SECTIONS, targets=None, late=()):
         scenario.build_controller(),
         scenario.build_governor(),
     )
+    controller = Watching(scenario) if watching else controller
     outputs, period = Outputs(scenario), period_ns(scenario.period)
     last = applied = (plant.idle_control, Source.ZERO)
     misses, states = 0, []

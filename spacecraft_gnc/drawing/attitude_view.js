@@ -17,6 +17,10 @@ const timesVector = (matrices, k, v) =>
 function unpackRun(run) {
   const unpacked = { ...run };
   for (const name of ["time", "attitude", "reference", "error"]) unpacked[name] = unpack(run[name]);
+  if (run.rotors) {
+    unpacked.rotors = { ...run.rotors, rims: run.rotors.rims.map(rowsOf) };
+    for (const name of ["turning", "healthy", "trusted"]) unpacked.rotors[name] = unpack(run.rotors[name]);
+  }
   unpacked.readout = run.readout.map((line) => ({ ...line, values: unpack(line.values) }));
   return unpacked;
 }
@@ -82,6 +86,28 @@ function arrow(tip, side) {
   return [[0, 0, 0], tip, barb(1), tip, barb(-1)];
 }
 
+// Wheel i at state k: its rim where it works, its rim where it is lost, an arc as long as it is
+// fast, from its mark on, and the bars that cross it out where it is excluded.
+function rotorAt(run, k, i) {
+  const { rims, turning, healthy, trusted } = run.rotors, at = rims.length * k + i;
+  const rim = rims[i].map((point) => timesVector(run.attitude, k, point));
+  const last = rim.length - 1, steps = Math.round(last * Math.min(Math.abs(turning[at]), 1)) || 0;
+  const arc = turning[at] < 0 ? rim.slice(last - steps) : rim.slice(0, steps + 1);
+  const quarter = last / 4, none = [];
+  const bars = [rim[0], rim[2 * quarter], [null, null, null], rim[quarter], rim[3 * quarter]];
+  return [healthy[at] ? rim : none, healthy[at] ? none : rim, arc, trusted[at] ? none : bars];
+}
+
+function rotorStyles(rotors) {
+  const { names, colors, lost } = rotors;
+  return names.flatMap((name, i) => [
+    { line: { color: colors[i], width: 3 }, name, showlegend: true },
+    { line: { color: lost, width: 3 }, name: `${name} lost`, showlegend: true },
+    { line: { color: colors[i], width: 9 } },
+    { line: { color: lost, width: 5 } },
+  ]);
+}
+
 function arrowsAt(run, k) {
   const arrows = AXES.map((_, j) => arrow(columnOf(run.attitude, k, j), columnOf(run.attitude, k, (j + 1) % 3)));
   for (const zone of run.zones.filter((item) => item.boresight)) {
@@ -89,7 +115,8 @@ function arrowsAt(run, k) {
     arrows.push([[0, 0, 0], tip]);
   }
   const diamonds = AXES.map((_, j) => [columnOf(run.reference, k, j)]);
-  return [...arrows, ...diamonds];
+  const rotors = run.rotors ? run.rotors.names.flatMap((_, i) => rotorAt(run, k, i)) : [];
+  return [...arrows, ...diamonds, ...rotors];
 }
 
 function movingTraces(sphere, run, k) {
@@ -99,6 +126,7 @@ function movingTraces(sphere, run, k) {
     ...boresights.map((zone) => ({ name: `boresight of ${zone.name}`, showlegend: true, line: { color: zone.color, width: 7 } })),
     ...AXES.map((name, j) => ({ name: `reference ${name}`, mode: "markers",
       marker: { symbol: "diamond-open", size: 6, color: sphere.axisColors[j] } })),
+    ...(run.rotors ? rotorStyles(run.rotors) : []),
   ];
   return arrowsAt(run, k).map((points, i) => line3d(points, styles[i]));
 }

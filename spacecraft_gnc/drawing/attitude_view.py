@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.envelope import strided
-from spacecraft_gnc.drawing.geometry import circle, graticule
+from spacecraft_gnc.drawing.geometry import circle, graticule, rim
 from spacecraft_gnc.drawing.traces import label, packed
 from spacecraft_gnc.drawing.zones import Zone, unit
 from spacecraft_gnc.types import Array
@@ -23,6 +23,29 @@ _LIFT: Final = 1.004  # radius of the zones, so that the sphere does not hide th
 _RINGS: Final = 10
 _SECTORS: Final = 72
 _BODY_AXES: Final = {"body x": (1, 0, 0), "body y": (0, 1, 0), "body z": (0, 0, 1)}
+
+
+@dataclass(frozen=True, slots=True)
+class Rotors:
+    """Wheels in the body.
+
+    Attributes
+    ----------
+    names
+        Of m wheels.
+    axes
+        (3, m) unit vectors, body frame.
+    turning
+        (n + 1, m) speed over its limit, or over the largest one that occurs.
+    healthy, trusted
+        (n + 1, m) whether each works, and whether it counts as working on board.
+    """
+
+    names: Sequence[str]
+    axes: Array
+    turning: Array
+    healthy: NDArray[np.bool_]
+    trusted: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +61,13 @@ class Motion:
     error_deg
         (n + 1,) angle to what the run is judged by [deg].
     vectors
-        (n + 1, 3) further values of the readout, by label with unit.
+        (n + 1, k) further values of the readout, by label with unit.
     notes
         (n + 1,) words beside one of these, by its label.
     zones
         Pointing zones.
+    rotors
+        Wheels; None: there are none to draw.
     """
 
     name: str
@@ -53,6 +78,7 @@ class Motion:
     vectors: Mapping[str, Array]
     notes: Mapping[str, Sequence[str]] = field(default_factory=dict)
     zones: Sequence[Zone] = ()
+    rotors: Rotors | None = None
 
     @property
     def n_steps(self) -> int:
@@ -101,6 +127,21 @@ def _run_data(motion: Motion, points: int) -> dict[str, Any]:
         "error": packed(motion.error_deg[chosen]),
         "readout": list(_readout(motion, chosen)),
         "zones": [_zone_data(zone) for zone in motion.zones],
+        "rotors": None if motion.rotors is None else _rotor_data(motion.rotors, chosen),
+    }
+
+
+def _rotor_data(rotors: Rotors, chosen: NDArray[np.int64]) -> dict[str, Any]:
+    """Return wheels: the rim of each, how fast it turns, and whether it works and is trusted."""
+    m = len(rotors.names)
+    return {
+        "names": [label(name) for name in rotors.names],
+        "rims": [packed(rim(axis)) for axis in rotors.axes.T],
+        "turning": packed(rotors.turning[chosen]),
+        "healthy": packed(rotors.healthy[chosen].astype(float)),
+        "trusted": packed(rotors.trusted[chosen].astype(float)),
+        "colors": [style.COMPONENT_COLORS[i % len(style.COMPONENT_COLORS)] for i in range(m)],
+        "lost": style.LIMIT_COLOR,
     }
 
 
@@ -118,8 +159,8 @@ def _readout(motion: Motion, chosen: NDArray[np.int64]) -> Iterator[dict[str, An
     for name, vectors in motion.vectors.items():
         notes = [motion.notes[name][i] for i in chosen] if name in motion.notes else []
         yield {
-            "label": name, "values": packed(vectors[chosen]), "significant": 4, "width": 3,
-            "notes": notes,
+            "label": name, "values": packed(vectors[chosen]), "significant": 4,
+            "width": vectors.shape[1], "notes": notes,
         }  # fmt: skip
 
 

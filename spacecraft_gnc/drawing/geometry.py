@@ -10,6 +10,8 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 
+_WHEEL_REACH: Final = 0.4  # of the rim of a wheel from the center of the sphere
+_WHEEL_ANGLE: Final = 0.36  # [rad] of its rim, seen from there
 _EVERY: Final = 30.0  # [deg] between two circles of the graticule
 
 
@@ -36,6 +38,11 @@ def circle(axis: Array, half_angle: float, points: int) -> Array:
     turn = np.linspace(0.0, 2.0 * math.pi, points + 1)
     around = np.outer(np.cos(turn), first) + np.outer(np.sin(turn), np.cross(axis, first))
     return np.asarray(math.cos(half_angle) * axis + math.sin(half_angle) * around)
+
+
+def rim(axis: Array) -> Array:
+    """Return the rim (37, 3) of a wheel in the unit sphere, turned about ``axis`` (3,)."""
+    return _WHEEL_REACH * circle(axis, _WHEEL_ANGLE, 36)
 
 
 def graticule(points: int) -> Iterator[Array]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.drawing.attitude_view import Rotors
 from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
@@ -16,6 +17,7 @@ from spacecraft_gnc.vehicles.two_wheel.wheels import as_axes
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+    from spacecraft_gnc.vehicles.two_wheel.telemetry import Telemetry
 
 
 class Flown(FlownRun, Protocol):
@@ -28,6 +30,10 @@ class Flown(FlownRun, Protocol):
     @property
     def scenario(self) -> Scenario | None:
         """What flew; None: not known."""
+
+    @property
+    def telemetry(self) -> Telemetry:
+        """What its bag tells."""
 
 
 def error_deg(flight: WheelFlight) -> Array:
@@ -96,9 +102,24 @@ def beliefs(flight: WheelFlight) -> list[str]:
     return [*rows, rows[-1]]
 
 
-def axes_of(scenario: Scenario | None) -> Array | None:
-    """Return the unit axes (3, m) of the wheels, body frame; None: not known."""
-    return None if scenario is None else as_axes(scenario.plant.wheel_axes)
+def rotors(run: Flown) -> Rotors | None:
+    """Return the wheels as a 3-D view draws them; None where their axes are not known."""
+    if run.scenario is None:
+        return None
+    flight = run.trajectory
+    return Rotors(
+        wheel_names(flight),
+        as_axes(run.scenario.plant.wheel_axes),
+        turning(wheel_speed(flight), limit_of(run.scenario, "max_wheel_speed")),
+        np.vstack([flight.healthy, flight.healthy[-1:]]),
+        np.vstack([flight.diagnosed, flight.diagnosed[-1:]]),
+    )
+
+
+def turning(speed: Array, limit: float) -> Array:
+    """Return wheel speeds over their limit, or over the largest one where there is none."""
+    most = limit or float(np.nanmax(np.abs(speed), initial=0.0))
+    return np.asarray(speed / (most or 1.0))
 
 
 def limit_of(scenario: Scenario | None, name: str) -> float:

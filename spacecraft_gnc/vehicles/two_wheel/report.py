@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -31,12 +31,12 @@ from spacecraft_gnc.drawing.traces import (
     run_line,
     trace,
 )
-from spacecraft_gnc.recording.columns import read_columns
-from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel import flown as series
 from spacecraft_gnc.vehicles.two_wheel.flown import Flown
 from spacecraft_gnc.vehicles.two_wheel.summary import states
+from spacecraft_gnc.vehicles.two_wheel.telemetry import Telemetry, telemetry
+from spacecraft_gnc.vehicles.two_wheel.watch import mark, watch_charts
 
 if TYPE_CHECKING:
     from spacecraft_gnc.recording.bag import Bag
@@ -91,13 +91,6 @@ ROWS: Final = (
 )
 
 
-class Telemetry(NamedTuple):
-    """What a bag tells beside the arrays of a flight."""
-
-    missed_deadlines: int | None = None
-    """Steps of a free run whose command came too late; None: no free run."""
-
-
 class WheelReport:
     """Implements `drawing.vehicle.VehicleReport`."""
 
@@ -111,12 +104,8 @@ class WheelReport:
         namespace: str | None = None,
     ) -> Telemetry:
         """Return what a flight tells beside its arrays."""
-        del flight
-        if bag is None or scenario is None or scenario.plant.mode != "free_run":
-            return Telemetry()
-        timing = read_columns(bag, [WALL_TIMING], namespace)[WALL_TIMING]
-        missed = timing.fields.get("missed_deadlines", np.zeros(1, dtype=np.int64))
-        return Telemetry(int(missed.max()))
+        is_free = scenario is not None and scenario.plant.mode == "free_run"
+        return telemetry(flight, bag, namespace, is_free=is_free)
 
     def warnings(self, run: Flown) -> Iterator[str]:
         """Yield what a reader should know before trusting the curves."""
@@ -126,7 +115,13 @@ class WheelReport:
 
     def charts(self, runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         """Yield the diagrams."""
+        for chart in self._charts(runs, points):
+            mark(chart, runs)
+            yield chart
+
+    def _charts(self, runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         yield _error(runs, points)
+        yield from watch_charts(runs, points)
         for values in _VECTORS:
             yield _vector(runs, points, *values)
         for name, (title, of, unit, line) in _WHEELS.items():
@@ -245,5 +240,10 @@ def _motion(run: Flown) -> attitude_view.Motion:
         attitudes=states(flight)[1],
         references=np.concatenate([flight.reference, flight.reference[-1:]]),
         error_deg=series.error_deg(flight),
-        vectors={"rate, body [rad/s]": series.rate(flight)},
+        vectors={
+            "rate, body [rad/s]": series.rate(flight),
+            "wheel speeds [rad/s]": series.wheel_speed(flight),
+        },
+        notes={"wheel speeds [rad/s]": series.beliefs(flight)},
+        rotors=series.rotors(run),
     )

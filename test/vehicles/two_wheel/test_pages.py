@@ -38,6 +38,27 @@ def test_the_page_holds_the_wheels_and_the_audit(bag, tmp_path, capsys):
     assert "badge passed" in text
 
 
+@pytest.fixture(scope="module")
+def watched(tmp_path_factory):
+    """Return a bag of a flight with friction in which a lost wheel is noticed."""
+    friction = {"wheel_viscous_friction": [1e-4] * 4, "wheel_coulomb_friction": [1e-3] * 4}
+    flown = sections(plant={**friction, "wheel_lost_at": [-1.0, 3.0, -1.0, -1.0]})
+    return fly(tmp_path_factory.mktemp("watched"), flown, watching=True)[0]
+
+
+def test_the_page_marks_when_a_wheel_was_lost_and_excluded(watched, tmp_path, capsys):
+    page = tmp_path / "report.html"
+    told(capsys, "report", watched, "-o", page, "-q")
+    text = page.read_text()
+    for words in ("Residuals of the wheels", "wheel 2 lost", "wheel 2 excluded", "reallocated"):
+        assert words in text
+    found = json.loads(told(capsys, "report", watched, "-o", page, "--json", "-q").out)
+    (run,) = found["runs"]
+    assert run["metrics"]["wheel_lost_at"] == 3.0
+    assert 3.0 < run["metrics"]["wheel_loss_detected_at"] <= 3.6
+    assert run["metrics"]["modes"]["reallocated"] > 0
+
+
 def test_two_flights_are_compared(bag, tmp_path, capsys):
     changed = sections(nmpc_controller={"feedback_damping_ratio": 0.7})
     other, _ = fly(tmp_path, changed)

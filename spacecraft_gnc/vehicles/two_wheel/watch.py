@@ -1,0 +1,66 @@
+"""Diagrams of the watch over the wheels: residuals, modes, and when a wheel was lost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.chart import Chart, named, over_time
+from spacecraft_gnc.drawing.traces import Curve, Trace, component_line, log_axis, run_line, trace
+from spacecraft_gnc.vehicles.two_wheel import flown as series
+from spacecraft_gnc.vehicles.two_wheel.flown import Flown
+
+_LEAST: Final = 1e-16
+"""[rad/s] that a residual of 0 is drawn at."""
+
+
+def watch_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
+    """Yield the diagram of the residuals, where a run watches its wheels."""
+    traces = [curve for i, run in enumerate(runs) for curve in _residuals(runs, i, run, points)]
+    if traces:
+        yield Chart(
+            "residual",
+            "Residuals of the wheels",
+            "Change of speed over a control step less the one commanded; dotted: the largest that "
+            "a healthy wheel can have.",
+            over_time(runs, traces, log_axis("residual [rad/s]")),
+            scale="yaxis",
+        )
+
+
+def _residuals(runs: Sequence[Flown], i: int, run: Flown, points: int) -> Iterator[Trace]:
+    watch = run.telemetry.watch
+    if watch is None:
+        return
+    times = run.times[:-1]
+    for j, wheel in enumerate(series.wheel_names(run.trajectory)):
+        line = component_line(j) if len(runs) == 1 else run_line(i)
+        line = {**line, "dash": "solid"}
+        size = np.maximum(np.abs(watch.residual[:, j]), _LEAST)
+        yield trace(Curve(times, size, named(runs, run, wheel), line), points)
+        faint = {**line, "dash": "dot", "width": 1.0}
+        hidden = {"showlegend": False, "hoverinfo": "skip"}
+        yield trace(Curve(times, watch.threshold[:, j], "", faint, options=hidden), points)
+
+
+def mark(chart: Chart, runs: Sequence[Flown]) -> None:
+    """Mark in a diagram over time of one run when wheels were lost and excluded."""
+    if len(runs) > 1:
+        return
+    layout = chart.figure["layout"]
+    for k, event in enumerate(series.events(runs[0].trajectory)):
+        color = style.LIMIT_COLOR if event.is_truth else style.INK
+        line: dict[str, Any] = {"color": color, "width": 1.2, "dash": "dot"}
+        where = {"xref": "x", "yref": "paper", "x0": event.time, "x1": event.time}
+        shape = {"type": "line", "y0": 0.0, "y1": 1.0, "line": line, **where}
+        text = {
+            "xref": "x", "yref": "paper", "x": event.time, "y": 0.01 + 0.08 * (k % 4),
+            "text": event.text, "showarrow": False, "xanchor": "left", "xshift": 3,
+            "yanchor": "bottom", "bgcolor": "rgba(255, 255, 255, 0.8)",
+            "font": {"size": 11, "color": color},
+        }  # fmt: skip
+        layout.setdefault("shapes", []).append(shape)
+        layout.setdefault("annotations", []).append(text)
