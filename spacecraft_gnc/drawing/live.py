@@ -109,7 +109,8 @@ class VehicleLive(Protocol):
     def constants(self, scenario: Any) -> dict[str, Any]:
         """Return what stays all along, by name; ``scenario``: None where it is not known.
 
-        ``target`` (3, 3), None where it is not known, and ``zones`` (`drawing.zones.Zone`) are
+        ``target`` (3, 3), None where it is not known, ``zones`` (`drawing.zones.Zone`) and
+        ``rims`` (m, k, 3) of wheels in the body (`drawing.geometry.rim`), if there are any, are
         drawn on the sphere; the rest is numbers and words.
         """
 
@@ -119,7 +120,9 @@ class VehicleLive(Protocol):
     def values(self, row: Mapping[str, Any], constants: Mapping[str, Any]) -> dict[str, Any]:
         """Return what is shown of a step, by name: numbers, arrays, words and mappings of these.
 
-        The sphere shows ``attitude``, ``reference`` and ``target`` (3, 3), body to inertial.
+        The sphere shows ``attitude``, ``reference`` and ``target`` (3, 3), body to inertial, and of
+        wheels ``turning`` (m,), speed over its limit, ``healthy`` and ``diagnosed`` (m,), whether
+        each works and whether it counts as working on board.
         """
 
     def readouts(self, values: Mapping[str, Any], governed: bool) -> dict[str, Iterable[Readout]]:

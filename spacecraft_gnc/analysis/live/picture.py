@@ -20,6 +20,8 @@ from spacecraft_gnc.vehicles.registry import vehicle_of
 from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
+_DRAWN: Final = ("target", "zones", "rims")
+"""Constants that are drawn, and no number or word."""
 _CIRCLE: Final = 72  # points of a circle on the sphere
 
 
@@ -125,7 +127,7 @@ class Setup:
 
     def as_json(self) -> dict[str, Any]:
         """Return it as JSON-able values."""
-        told = {k: v for k, v in self.constants.items() if k not in ("target", "zones")}
+        told = {k: v for k, v in self.constants.items() if k not in _DRAWN}
         return {
             "title": self.title,
             "live": self.live,
@@ -154,6 +156,7 @@ class Setup:
             "panels": [panel.as_json() for panel in panels],
             "graticule": [_points(line) for line in graticule(_CIRCLE)],
             "rims": [_rim(zone) for zone in self.constants.get("zones", ())],
+            "wheels": [_points(wheel) for wheel in self.constants.get("rims", ())],
         }
 
 

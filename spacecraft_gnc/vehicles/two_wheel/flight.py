@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from spacecraft_gnc.loop.flight import Flight, Step, column, final
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
 
 
@@ -31,10 +31,15 @@ def _diagnosed(step: Step) -> Any:
     return np.ones(len(step.state.wheel_speed), dtype=bool) if told is None else told
 
 
-def _mode(step: Step) -> Any:
-    """Return how it is flown: nominally, where the method watches no wheel."""
-    told = _of("diagnosis", "mode")(step)
-    return Mode.NOMINAL if told is None else told
+def _held(name: str, otherwise: Any) -> Callable[[Step], Any]:
+    """Return what reads an attribute of the diagnosis; ``otherwise`` where there is none."""
+    read = _of("diagnosis", name)
+
+    def value(step: Step) -> Any:
+        told = read(step)
+        return otherwise if told is None else told
+
+    return value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -61,6 +66,12 @@ class WheelFlight(Flight):
         Whether each wheel counts as answering on board, once the command of the step is found.
     mode : (n,) array of int
         How it is flown (`controllers.report.Mode`); -1: not known.
+    rest : (n,) array of int
+        Where it can come to rest (`controllers.report.Rest`); -1: not known.
+    remaining_rate : (n, 3) array
+        Rotation that cannot be stopped, body frame [rad/s]; zero where rest is possible.
+    pointing_loss : (n,) array
+        Angle by which the pointing that can be held is off the target [rad].
     terminal_violation, cost : (n,) arrays
         Of the method's solve; NaN without one.
     terminal : (n,) array of int
@@ -94,7 +105,21 @@ class WheelFlight(Flight):
     diagnosed: NDArray[Any] = column(
         _diagnosed, (-1,), carried_by="wheel_diagnosis/healthy", missing=True, formerly=True
     )
-    mode: NDArray[Any] = column(_mode, carried_by="wheel_diagnosis/mode", missing=-1, formerly=-1)
+    mode: NDArray[Any] = column(
+        _held("mode", Mode.NOMINAL), carried_by="wheel_diagnosis/mode", missing=-1, formerly=-1
+    )
+    rest: NDArray[Any] = column(
+        _held("rest", Rest.AT_TARGET), carried_by="wheel_diagnosis/rest", missing=-1, formerly=-1
+    )
+    remaining_rate: Array = column(
+        _held("remaining_rate", (0.0, 0.0, 0.0)),
+        (3,),
+        carried_by="wheel_diagnosis/remaining_rate",
+        formerly=np.nan,
+    )
+    pointing_loss: Array = column(
+        _held("pointing_loss", 0.0), carried_by="wheel_diagnosis/pointing_loss", formerly=np.nan
+    )
     reference: Array = column(
         "decision.reference.attitude", (3, 3), carried_by="attitude_reference/attitude"
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.drawing.attitude_view import Rotors
+from spacecraft_gnc.drawing.geometry import rim
 from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
@@ -114,6 +115,11 @@ def rotors(run: Flown) -> Rotors | None:
         np.vstack([flight.healthy, flight.healthy[-1:]]),
         np.vstack([flight.diagnosed, flight.diagnosed[-1:]]),
     )
+
+
+def wheel_rims(scenario: Scenario) -> list[Array]:
+    """Return the rim (k, 3) of each wheel in the unit sphere, body frame."""
+    return [rim(axis) for axis in as_axes(scenario.plant.wheel_axes).T]
 
 
 def turning(speed: Array, limit: float) -> Array:

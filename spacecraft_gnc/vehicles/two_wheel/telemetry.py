@@ -23,12 +23,6 @@ class Watch(NamedTuple):
     """(n, m) [rad/s]."""
     threshold: Array
     """(n, m) [rad/s]."""
-    rest: Array
-    """(n,) `controllers.report.Rest`."""
-    remaining_rate: Array
-    """(n, 3) rotation that cannot be stopped, body frame [rad/s]."""
-    pointing_loss: Array
-    """(n,) [rad]."""
 
 
 class Telemetry(NamedTuple):

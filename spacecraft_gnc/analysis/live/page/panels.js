@@ -1,9 +1,8 @@
 // The charts that the vehicle asks for: one card each, drawn from the rows of its history.
 
 import { drawBand, drawBars, drawStrip, prefix } from "./charts.js";
+import { componentColor } from "./scene.js";
 import { showKeys } from "./status.js";
-
-const MORE = ["#d58fd0", "#f2b134", "#c9d3df"]; // of components after the third
 
 const make = (tag, name, text = "") => {
   const element = document.createElement(tag);
@@ -64,7 +63,7 @@ export class Panels {
   }
 
   #color(i) {
-    return [this.colors.x, this.colors.y, this.colors.z, ...MORE][i % (3 + MORE.length)];
+    return componentColor(this.colors, i);
   }
 
   #bars(canvas, panel, value, past) {

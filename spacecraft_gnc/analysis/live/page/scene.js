@@ -56,6 +56,7 @@ export class Scene {
     if (frame?.target) this.#marks(frame.target, 7, [3, 3]);
     if (frame?.reference) this.#marks(frame.reference, 3.5, []);
     if (frame?.attitude) this.#body(frame.attitude, setup);
+    if (frame?.attitude) this.#wheels(frame, setup?.wheels ?? []);
   }
 
   #begin() {
@@ -200,6 +201,44 @@ export class Scene {
     this.pen.globalAlpha = 1;
   }
 
+  // The rim of each wheel, red where it is lost, an arc on it as long as the wheel is fast, from its
+  // mark on, and a cross where it is excluded on board. The near ones are drawn last.
+  #wheels({ attitude, turning, healthy, diagnosed }, rims) {
+    const wheels = rims.map((rim, i) => ({ i, rim: rim.map((p) => this.#project(rotate(attitude, p))) }));
+    const depth = ({ rim }) => rim[0][2] + rim[rim.length >> 1][2];
+    for (const { i, rim } of wheels.sort((a, b) => depth(a) - depth(b))) {
+      const last = rim.length - 1, quarter = last / 4;
+      const color = healthy?.[i] === false ? this.colors.bad : componentColor(this.colors, i);
+      const share = Math.max(-1, Math.min(1, turning?.[i] ?? 0));
+      const steps = Math.round(last * Math.abs(share));
+      this.pen.globalAlpha = depth({ rim }) >= 0 ? 1 : 0.7;
+      this.#path(rim, color, 1.4, "rgba(16, 21, 28, 0.55)");
+      this.#path(share < 0 ? rim.slice(last - steps) : rim.slice(0, steps + 1), color, 5);
+      if (diagnosed?.[i] === false) {
+        this.#line(rim[0], rim[2 * quarter], this.colors.bad, 2.5);
+        this.#line(rim[quarter], rim[3 * quarter], this.colors.bad, 2.5);
+      }
+      const middle = [0, 1].map((j) => (rim[0][j] + rim[2 * quarter][j]) / 2);
+      const out = [middle[0] - this.center[0], middle[1] - this.center[1]];
+      const length = Math.max(Math.hypot(...out), 1), beyond = this.radius * 0.13 + 12;
+      this.#text(`${i + 1}`, middle.map((m, j) => m + (beyond * out[j]) / length), color);
+    }
+    this.pen.globalAlpha = 1;
+  }
+
+  #path(points, color, width, fill = "") {
+    const { pen } = this;
+    pen.beginPath();
+    points.forEach((p, k) => pen[k ? "lineTo" : "moveTo"](p[0], p[1]));
+    if (fill) {
+      pen.fillStyle = fill;
+      pen.fill();
+    }
+    pen.strokeStyle = color;
+    pen.lineWidth = width;
+    if (points.length > 1) pen.stroke();
+  }
+
   #box(rotation) {
     const faces = [[[0, 0, 0], HALF, "#c9d3df"], ...PANELS.map((c) => [c, PANEL, "#3d63a8"])]
       .flatMap(([center, half, color]) => boxFaces(center, half, color));
@@ -256,6 +295,10 @@ export class Scene {
     this.pen.fillText(text, at[0], at[1]);
   }
 }
+
+// Of component i of a vector, and of wheel i.
+export const componentColor = (colors, i) =>
+  [colors.x, colors.y, colors.z, "#d58fd0", "#f2b134", "#c9d3df"][i % 6];
 
 function boxFaces(center, half, color) {
   const faces = [];

@@ -67,7 +67,7 @@ function onSetup(setup) {
   state.setup = setup;
   showSetup(setup);
   panels.build(setup.panels);
-  by("legend").replaceChildren(...["dashed ring: target", "small ring: reference", ...(setup.zones.length ? ["dotted line: instrument of a zone"] : [])].map((text) => {
+  by("legend").replaceChildren(...["dashed ring: target", "small ring: reference", ...(setup.zones.length ? ["dotted line: instrument of a zone"] : []), ...(setup.wheels.length ? ["disk: wheel, its arc the speed", "red: lost", "crossed: excluded"] : [])].map((text) => {
     const item = document.createElement("li");
     item.textContent = text;
     return item;
