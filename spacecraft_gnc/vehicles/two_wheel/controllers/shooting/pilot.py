@@ -102,11 +102,16 @@ class ShootingPilot:
         return Command(acceleration, source, WheelReport(solve))
 
     def _solve(self, state: WheelState, reference: Matrix3) -> Solution | None:
-        """Solve from the last solve's multipliers, and from zero where that fails."""
-        problem = state.attitude, self.gyrostat.inertia @ state.angular_velocity, reference
+        """Solve from the last solve's multipliers, and from zero where that fails.
+
+        In the frame of the reference, in which its attitude is the identity: the weights are those
+        of the body at the reference, wherever that is.
+        """
+        momentum = self.gyrostat.inertia @ state.angular_velocity
+        problem = reference.T @ state.attitude, momentum
         warm, self._warm_start = self._warm_start, None
         try:
-            solution = self.solver.solve(*problem, warm)
+            solution = self.solver.solve(*problem, warm_start=warm)
             if warm is not None and not solution.converged:
                 solution = self.solver.solve(*problem)
         except GncError:  # a state or reference that is no state: the feedback law deals with it
@@ -133,6 +138,7 @@ class ShootingPilot:
 
 def _told(solution: Solution, reference: Matrix3, healthy: NDArray[np.bool_]) -> Solve:
     """Return a solution as it is published."""
+    attitudes = reference @ solution.attitudes
     return Solve(
         method="shooting",
         model=MODEL,
@@ -143,11 +149,11 @@ def _told(solution: Solution, reference: Matrix3, healthy: NDArray[np.bool_]) ->
         restarts=0,
         residual=solution.residual,
         cost=solution.cost,
-        terminal_violation=lie.angle_between(solution.attitudes[-1], reference),
+        terminal_violation=lie.angle_between(attitudes[-1], reference),
         min_curvature=solution.min_curvature,
         terminal_attitude=reference,
         planned=healthy,
-        attitudes=solution.attitudes,
+        attitudes=attitudes,
         solve_time=solution.solve_time,
         torques=solution.torques,
     )
