@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from wheeled import AFRL_ACCELERATION, AFRL_INERTIA, AFRL_SPEED, AFRL_WHEEL, FULL_INERTIA
 
-from spacecraft_gnc import lie
 from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import MODELS, WheelOcp
 
 EXACT = ("euler_321", "so3")
+IDENTITY = np.eye(3)
 REST = np.zeros(2)
 SKEW = np.array([[0.9, 0.1], [0.2, -0.8], [0.3, 0.5]])  # axes of two wheels on no principal axis
 YAW = np.array([0.0, 0.0, 0.25])
@@ -35,8 +35,8 @@ def near(seed, size=0.3):
     return from_euler_321(np.random.default_rng(seed).uniform(-size, size, 3) * [1.0, 1.0, 0.5])
 
 
-def cost(ocp, accelerations, attitude, wheel_speed, reference=lie.exp(np.zeros(3)), drift=0.0):
-    """Cost (4) and the terminal error (3,) of accelerations (N, 2), by another code than the solver's.
+def cost(ocp, accelerations, attitude, wheel_speed, reference=IDENTITY, drift=0.0):
+    """Cost (4) and the terminal error (3,) of accelerations (N, 2), by another code.
 
     Complex accelerations give complex results: derivatives by the complex step.
     """
@@ -64,7 +64,7 @@ def cost(ocp, accelerations, attitude, wheel_speed, reference=lie.exp(np.zeros(3
 
 
 def small_turn(h, angles, first, last):
-    """phi' = w1, theta' = w2, psi' = w3 + w2 phi over a step, by Gauss's rule, exact to degree 5."""
+    """phi' = w1, theta' = w2, psi' = w3 + w2 phi over a step, by Gauss's rule of degree 5."""
     nodes, shares = np.polynomial.legendre.leggauss(3)
     slope = (last - first) / h
     yaw = 0.0
