@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.parameters.parameter import LARGEST_WEIGHT, Kind, parameter
 from spacecraft_gnc.types import Array
@@ -99,3 +101,8 @@ METHOD: Final = Method(
     build=Lazy(f"{__name__}.controller:UnderactuatedController.from_scenario"),
     parameters=UnderactuatedParameters,
 )
+
+
+def weights_of(model: str, given: Array) -> Array:
+    """Return the attitude weights (3,) of a prediction model: those given, if any."""
+    return given if given.size else np.array([1.0, 1.0, 30.0 if model == "so3" else 10.0])

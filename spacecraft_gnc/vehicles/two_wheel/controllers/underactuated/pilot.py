@@ -12,7 +12,10 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import Command, Source
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Solve, WheelReport
-from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import UnderactuatedParameters
+from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import (
+    UnderactuatedParameters,
+    weights_of,
+)
 from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated.planner import (
     Plan,
     TwoWheelPlanner,
@@ -104,13 +107,12 @@ def problem_of(
 ) -> WheelOcp:
     """Return the problem of two wheels."""
     p = parameters
-    third = 30.0 if p.prediction_model == "so3" else 10.0
     return WheelOcp(
         gyrostat.inertia,
         gyrostat.wheels[:, healthy],
         gyrostat.time_step,
         p.horizon,
-        p.attitude_weights if np.isfinite(p.attitude_weights).all() else (1.0, 1.0, third),
+        weights_of(p.prediction_model, p.attitude_weights),
         p.speed_weight,
         p.acceleration_weight,
         gyrostat.max_speed,
