@@ -1,4 +1,4 @@
-"""Audit of a flight: motion, wheels, references, commands."""
+"""Audit of a flight: motion, wheels, references, commands, diagnosis."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ from spacecraft_gnc.vehicles.two_wheel.audit.commands import (
     audit_law,
     audit_references,
 )
+from spacecraft_gnc.vehicles.two_wheel.audit.diagnosis import audit_diagnosis
 from spacecraft_gnc.vehicles.two_wheel.audit.motion import audit_motion
 from spacecraft_gnc.vehicles.two_wheel.recorded import whole_steps
-from spacecraft_gnc.vehicles.two_wheel.signals import APPLIED, COMMAND, STATE
+from spacecraft_gnc.vehicles.two_wheel.signals import APPLIED, COMMAND, DIAGNOSIS, STATE
 
 _TOPICS: Final = Topics(
     every_step=(STATE, REFERENCE, GOVERNOR_STATUS, COMMAND),
-    sparse=(ACCEPTED_TARGET, WALL_TIMING),
+    sparse=(ACCEPTED_TARGET, WALL_TIMING, DIAGNOSIS),
 )
 _OF_A_WHEEL: Final = (
     (STATE, "wheel_speed"),
@@ -75,6 +76,7 @@ class WheelAudit:
         audit_references(evidence, ledger)
         audit_law(evidence, ledger, tolerance, watch("asking the law"))
         audit_applied(evidence, held, ledger)
+        audit_diagnosis(evidence, ledger)
         return ()
 
 

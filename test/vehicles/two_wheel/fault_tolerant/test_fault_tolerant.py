@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
+from wheel_losses import FOUR, THREE, scenario_sections
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
@@ -15,24 +14,12 @@ from spacecraft_gnc.loop.protocols import Reference, Source
 from spacecraft_gnc.scenario import InvalidScenario, from_sections
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest, diagnosis_of, solve_of
 
-CONFIG = Path(__file__).parents[4] / "config"
-THREE, FOUR = "afrl_wheel_loss", "afrl_wheel_loss_pyramid"
 MOMENTUM = [0.5, 0.2, -0.3]  # [N m s]
 
 
 def scenario(name=THREE, lost=None, controller=None, **plant):
     """A shipped scenario with other losses and further values."""
-    text = yaml.safe_load((CONFIG / f"{name}.yaml").read_text(encoding="utf-8"))
-    wanted = ("plant", "nmpc_controller", "reference_governor")
-    sections = {section: text[section]["ros__parameters"] for section in wanted}
-    values = sections["plant"]
-    if lost is not None:
-        values["wheel_lost_at"] = [lost.get(i, -1.0) for i in range(len(values["wheel_inertias"]))]
-    if plant.get("wheel_loss", "friction") != "friction" or values["wheel_lost_at"] == [-1.0] * 3:
-        del values["lost_wheel_friction"]
-    values.update(plant)
-    sections["nmpc_controller"].update(controller or {})
-    return from_sections(sections)
+    return from_sections(scenario_sections(name, lost, controller, **plant))
 
 
 def flown(one):
