@@ -17,6 +17,9 @@ SOLVED, NOT_CONVEX, NOT_SOLVED = 0, 1, 2
 MOST_ITERATIONS = 50
 _TO_BOUNDARY = 0.995
 _GAP = 1e-12  # of the complementarity, over the scale of the gradient
+_LEAST_SHIFT, _MOST_SHIFT = 1e-5, 1e4  # of the curvature by u, over the scale of the gradient
+_SHIFT_RISE, _SHIFT_FALL = 8.0, 4.0
+_PULL = 1e-12  # of the shift's gradient, over the same scale
 _OPEN = 1e-10  # of the conditions that a full step closes, over what they were
 
 
@@ -223,11 +226,15 @@ def start_pairs(m, low, high, sigma, n_soft, S, Z, N, nx):
 
 
 @kernel
-def bound_terms(low, high, S, Z, dS, dZ, tau, corrector, E, g, N):
-    """Diagonals E and gradients g (N, 4) that the bounds add for the target ``tau``."""
+def bound_terms(low, high, S, Z, dS, dZ, tau, corrector, shift, u, E, g, N):
+    """Diagonals E and gradients g (N, 4) that the bounds add for the target ``tau``.
+
+    So does ``shift`` / 2 |u - u now|^2, which is nothing once u moves no more.
+    """
     for k in range(N):
         for i in range(4):
-            E[k, i] = g[k, i] = 0.0
+            E[k, i] = shift if i > 1 else 0.0
+            g[k, i] = -shift * u[k, i - 2] if i > 1 else 0.0
             if not is_pair(k, i, N, 0):
                 continue
             for side in range(2):
@@ -311,20 +318,24 @@ def interior_point(A, B, M, m, C, b, sigma, rho, n_soft, low, high, work, x, u, 
     x[:] = 0.0
     u[:] = 0.0
     y[:] = 0.0
-    open_share, status, iteration = 1.0, NOT_SOLVED, 0
+    open_share, pull, shift = 1.0, 0.0, 0.0
+    status, iteration = NOT_SOLVED, 0
     while iteration < MOST_ITERATIONS:
         gap = gap_after(0.0, S, Z, dS, dZ, n_soft, N) / pairs
         if not np.isfinite(gap):
             break
-        if gap < _GAP * scale and open_share < _OPEN:
+        if gap < _GAP * scale and open_share < _OPEN and pull < _PULL * scale:
             status = SOLVED
             break
         iteration += 1
         tau, alpha = 0.0, 0.0
         for corrector in range(2):
-            bound_terms(low, high, S, Z, dS, dZ, tau, corrector == 1, E, g, N)
-            if corrector == 0 and not factor(A, B, M, P, Y, K, Ky, R, rho, N, nx, mt, C, E, G):
-                return NOT_CONVEX, iteration
+            bound_terms(low, high, S, Z, dS, dZ, tau, corrector == 1, shift, u, E, g, N)
+            while corrector == 0 and not factor(A, B, M, P, Y, K, Ky, R, rho, N, nx, mt, C, E, G):
+                shift = max(_SHIFT_RISE * shift, _LEAST_SHIFT * scale)
+                if shift > _MOST_SHIFT * scale:
+                    return NOT_CONVEX, iteration
+                bound_terms(low, high, S, Z, dS, dZ, tau, False, shift, u, E, g, N)
             backward(A, B, m, g, K, Ky, R, p, kff, N, nx, mt, s)
             if not terminal_response(G, s, rho, mt, Ge, se) or not multiplier_step(
                 Ge, se, b, y, S, Z, dS, dZ, tau, corrector == 1, n_soft, N, mt, T, dy
@@ -343,6 +354,11 @@ def interior_point(A, B, M, m, C, b, sigma, rho, n_soft, low, high, work, x, u, 
                 tau = gap * (after / gap) ** 3
         alpha = min(1.0, _TO_BOUNDARY * alpha)
         open_share *= 1.0 - alpha
+        pull *= 1.0 - alpha
+        for k in range(N):
+            for i in range(2):
+                pull = max(pull, alpha * shift * abs(un[k, i] - u[k, i]))
+        shift = shift / _SHIFT_FALL if shift > _LEAST_SHIFT * scale else 0.0
         for k in range(N + 1):
             for i in range(nx):
                 x[k, i] += alpha * (xn[k, i] - x[k, i])

@@ -29,9 +29,7 @@ _ARMIJO = 1e-4
 _SHORTEST = 2.0**-12
 _STEEPER = 10.0  # of the price of a missed end, where the present one does not close it
 _RISES = 4  # of the price
-_MOST_SHIFTS = 3
-_SHIFT_RISE = 10.0
-_CONVEXIFYING = 10.0  # of the end's condition, times the largest weight
+_CONVEXIFYING = 1000.0  # of the end's condition, times the largest weight
 
 
 @kernel
@@ -292,17 +290,6 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
             A, B, M, m, Ct, b, sigma, rho, n_soft, low, high, work, x, u, yq, zq
         )
         told[4] += count
-        shift, shifts = cost[4], 0
-        while status == NOT_CONVEX and shifts < _MOST_SHIFTS:
-            for k in range(N):
-                for i in range(2):
-                    M[k, nx + i, nx + i] += shift
-            shift *= _SHIFT_RISE
-            shifts += 1
-            status, count = interior_point(
-                A, B, M, m, Ct, b, sigma, rho, n_soft, low, high, work, x, u, yq, zq
-            )
-            told[4] += count
         if status == NOT_CONVEX:
             stages(model, T, C, drift, nu, a, cost, y, False, A, B, M, m, Ct, b, scratch, local)
             status, count = interior_point(

@@ -33,7 +33,7 @@ def same_plan(plan):
 def assert_same(one, other):
     assert one.status == other.status == Status.CONVERGED
     assert one.cost == pytest.approx(other.cost, rel=1e-6)
-    assert one.accelerations == pytest.approx(other.accelerations, abs=1e-3)
+    assert one.accelerations == pytest.approx(other.accelerations, abs=2e-2)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -67,7 +67,7 @@ def test_with_a_soft_end_they_agree_beyond_what_is_feasible(pair, seed):
         found = first.solve(attitude, REST, soft=True)
         again = second.solve(attitude, REST, soft=True, warm_start=same_plan(found))
         assert_same(found, again)
-        assert again.min_curvature == pytest.approx(found.min_curvature, rel=1e-3)
+        assert again.min_curvature == pytest.approx(found.min_curvature, rel=1e-2)
         assert not found.terminal_multipliers.any()
 
 
@@ -111,11 +111,11 @@ def test_the_first_order_conditions_hold_by_another_code(model, start):
 
 @pytest.mark.parametrize("solver", [SqpSolver, IpoptSolver])
 def test_multipliers_have_the_sign_of_their_bound_and_act_only_at_it(solver):
-    ocp = report(max_speed=50.0)
-    plan = solver(ocp).solve(from_euler_321(np.array([0.4, 0.3, -0.05])), [5.0, 0.0])
+    ocp = report(max_speed=45.0)
+    plan = solver(ocp).solve(from_euler_321(np.array([0.45, 0.3, -0.1])), [5.0, 0.0])
     assert plan.converged
     for values, multipliers, most in (
-        (plan.speeds[1:], plan.speed_multipliers[1:], 50.0),
+        (plan.speeds[1:], plan.speed_multipliers[1:], 45.0),
         (plan.accelerations, plan.acceleration_multipliers, 5.0),
     ):
         assert np.abs(values).max() <= most * (1.0 + 1e-12)
