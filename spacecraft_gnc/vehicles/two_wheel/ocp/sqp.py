@@ -13,6 +13,7 @@ Source of the problem: Kolmanovsky et al. 2016 (AFRL), 3.1.2; the method is ours
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -27,7 +28,6 @@ from spacecraft_gnc.vehicles.two_wheel.ocp.problem import MODELS, WheelOcp
 from spacecraft_gnc.vehicles.two_wheel.ocp.search import IDENTITY, Found, solve
 from spacecraft_gnc.vehicles.two_wheel.ocp.solution import WarmStart, WheelSolution
 
-_FREE: Final = 1e7  # in place of a limit that does not exist, over the scale of what occurs
 _PRICE: Final = 1.5  # of a missed end, over the largest weight of the attitude
 
 
@@ -128,7 +128,7 @@ class SqpSolver:
             [*ocp.attitude_weights, ocp.speed_weight, ocp.acceleration_weight,
              ocp.terminal_weight if soft else 0.0]
         )  # fmt: skip
-        limits = np.array([ocp.max_speed or _FREE, ocp.max_acceleration or _FREE])
+        limits = np.array(_limits(ocp))
         status = sqp(
             MODELS.index(ocp.model), ocp.time_step, ocp.rates, rates, nu, a, weights, limits,
             _PRICE * float(ocp.attitude_weights.max()), self.tolerance, self.max_iterations,
@@ -137,6 +137,16 @@ class SqpSolver:
         A, B, M, _, Ct, *_ = self.arenas[soft][2]
         last = tuple(matrix.copy() for matrix in (A, B, M, Ct))
         return Found(Status(status), nu, a, y, z, report, last)
+
+
+def _limits(ocp: WheelOcp) -> tuple[float, float]:
+    """Return the limits of speed and acceleration.
+
+    In place of one that does not exist, what turns the bus by half a turn in a step or stops such a
+    turn: far beyond what a prediction with that step is good for.
+    """
+    half_turn = math.pi / (ocp.time_step * float(np.linalg.norm(ocp.rates, axis=0).min()))
+    return ocp.max_speed or half_turn, ocp.max_acceleration or 2.0 * half_turn / ocp.time_step
 
 
 def _curvature(found: Found) -> float:
