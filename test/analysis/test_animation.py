@@ -15,13 +15,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing import moving, style
+from spacecraft_gnc.drawing.spacecraft import draw_spacecraft
 from spacecraft_gnc.drawing.sphere import View
 from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.vehicles.rigid_body.pictures import animation
 from spacecraft_gnc.vehicles.rigid_body.pictures._animated_run import animated_run
 from spacecraft_gnc.vehicles.rigid_body.pictures._scene import Scene
-from spacecraft_gnc.vehicles.rigid_body.pictures._spacecraft import draw_spacecraft
 
 SIZE = (800, 640)  # as README shows it, pixel for pixel
 HALF_ANGLE = 10.0  # [deg]
@@ -76,8 +76,8 @@ def test_a_short_flight_has_a_frame_for_each_state(tmp_path):
 
 
 def test_a_long_flight_is_sampled_from_its_start_to_its_end():
-    times = animation.frame_times([animated_run("one", case1(), None, 0)])
-    assert len(times) == animation.FRAMES
+    times = moving.frame_times([animated_run("one", case1(), None, 0)])
+    assert len(times) == moving.FRAMES
     assert times[0] == 0.0
     assert times[-1] == pytest.approx(150.0)
     assert max(b - a for a, b in pairwise(times)) == pytest.approx(2.0)  # 376 states in 76 frames

@@ -13,7 +13,6 @@ from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.axes import component, frame, legend, legend_below, limit, logarithmic
 from spacecraft_gnc.drawing.chart import held
 from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Draw, Maker, stacked
-from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel import flown as series
 from spacecraft_gnc.vehicles.two_wheel.flown import Flown
@@ -52,17 +51,10 @@ class WheelFigures:
         }
 
     def animate(self, runs: Sequence[Flown], path: Path, *, title: str = "") -> None:
-        """Refuse: there is no moving picture of wheels yet.
+        """Write a moving picture of flights side by side."""
+        from spacecraft_gnc.vehicles.two_wheel.animation import save_animation
 
-        Raises
-        ------
-        ParameterError
-            Always.
-        """
-        raise ParameterError(
-            f"--animate: received {path} for a flight of vehicle two_wheel, which has no moving "
-            "picture; required a rigid_body; leave it out to draw the figures"
-        )
+        save_animation(runs, path, title=title)
 
 
 FIGURES: Final = WheelFigures()
@@ -86,7 +78,7 @@ def replay_figure(resolved: Resolved, names: tuple[str, str], title: str) -> Fig
 def _diagrams(run: Flown, scale: str) -> dict[str, Draw]:
     """Return what draws each quantity of a flight into given axes."""
     flight, scenario, names = run.trajectory, run.scenario, series.wheel_names(run.trajectory)
-    lines = partial(partial, _lines, times=run.times)
+    lines = partial(partial, _lines, times=run.times, events=series.events(flight))
     return {
         "error": partial(_errors, runs=[run], scale=scale),
         "euler": lines(
@@ -130,6 +122,7 @@ def _lines(
     title: str,
     unit: str,
     bound: float = 0.0,
+    events: Sequence[series.Event] = (),
     **line: Any,
 ) -> None:
     """Draw (n, m) values over time, and their limit on both sides where it is near."""
@@ -139,6 +132,14 @@ def _lines(
     if bound and largest > 0.5 * bound:
         limit(axes, bound)
         limit(axes, -bound)
+    for event in events:
+        color = style.LIMIT_COLOR if event.is_truth else style.INK
+        axes.axvline(event.time, color=color, linewidth=0.9, linestyle=":")
+        axes.annotate(
+            event.text, (event.time, 0.0), xycoords=("data", "axes fraction"), rotation=90.0,
+            xytext=(-2 if event.is_truth else 2, 4), textcoords="offset points", color=color,
+            fontsize=7.0, ha="right" if event.is_truth else "left", va="bottom",
+        )  # fmt: skip
     legend(axes, min(len(names), 4))
     frame(axes, times, title, f"[{unit}]")
 

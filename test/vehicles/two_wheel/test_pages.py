@@ -6,9 +6,15 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
+from PIL import Image
 from wheel_bags import fly, sections
 
+from spacecraft_gnc.analysis.flown import flown
+from spacecraft_gnc.analysis.reader import load_run
 from spacecraft_gnc.cli.main import main
+from spacecraft_gnc.drawing import style
+from spacecraft_gnc.vehicles.two_wheel.animation import Scene, animated_run
 
 
 @pytest.fixture(scope="module")
@@ -73,8 +79,30 @@ def test_every_figure_is_drawn(bag, tmp_path, capsys):
     names = {"overview", "attitude", "rate", "wheels", "momentum"}
     assert {path.stem for path in tmp_path.glob("*.svg")} == names
     assert json.loads(out)["metrics"]["wheel_lost_at"] == 1.0
-    error = told(capsys, "plot", bag, "--animate", tmp_path / "x.gif", code=2).err
-    assert "has no moving picture" in error
+
+
+def test_the_moving_picture_shows_a_lost_wheel_red_and_crossed_out(watched, tmp_path, capsys):
+    path = tmp_path / "flight.gif"
+    told(capsys, "plot", watched, watched, "--animate", path, "-q")
+    with Image.open(path) as picture:
+        assert (picture.size, picture.n_frames) == ((800, 640), 21)
+    recorded = load_run(watched)
+    run = animated_run(flown("watched", recorded, recorded.info.scenario), 0)
+    red = [np.array(to_rgb(style.LIMIT_COLOR)) * 255.0]
+    shown = []
+    with style.applied():
+        scene = Scene([run._replace(events=[], beliefs=[""] * 21, limit=0.0)])
+        for time in (2.8, 3.0, 4.0):  # healthy; lost; excluded
+            off = np.abs(scene.frame(time).astype(float) - red).max(axis=2)
+            shown.append(int(np.count_nonzero(off < 8.0)))
+    assert shown[0] == 0
+    assert shown[1] > 50
+    assert shown[2] > shown[1] + 20
+
+
+def test_more_flights_than_fit_beside_each_other_are_refused(bag, tmp_path, capsys):
+    error = told(capsys, "plot", *[bag] * 4, "--animate", tmp_path / "x.gif", code=2).err
+    assert "received 4 runs; required 3" in error
 
 
 def test_replay_repeats_the_commands_bit_for_bit(bag, capsys):

@@ -7,8 +7,7 @@ draw the figures for print.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -17,10 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from spacecraft_gnc.drawing import sphere, style
+from spacecraft_gnc.drawing.moving import drawn_over
+from spacecraft_gnc.drawing.spacecraft import draw_spacecraft
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
 from spacecraft_gnc.vehicles.rigid_body.pictures._curves import curves
-from spacecraft_gnc.vehicles.rigid_body.pictures._spacecraft import draw_spacecraft
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,10 +73,10 @@ class Scene:
         """Return the picture (height, width, 3) at a time [s], 8 bits a color."""
         self._canvas.restore_region(self._still)  # type: ignore[no-untyped-call]
         for axes, run in zip(self._spheres, self._runs, strict=True):
-            with _drawn_over(axes):
+            with drawn_over(axes):
                 _draw_flight(axes, self._view, run, run.row(time))
         for axes, curve in zip(self._diagrams, self._curves, strict=True):
-            with _drawn_over(axes):
+            with drawn_over(axes):
                 curve.draw_flown(axes, time)
         clock = self._write(0.98, f"t = {time:.1f} s", ha="right")
         self._figure.draw_artist(clock)
@@ -99,18 +99,6 @@ class Scene:
 
     def _write(self, x: float, text: str, **options: Any) -> Any:
         return self._figure.text(x, _HEADING, text, va="center", fontsize=11.0, **options)
-
-
-@contextmanager
-def _drawn_over(axes: Axes) -> Iterator[None]:
-    """Draw at once, over what is there, all that is added to axes meanwhile; then remove it."""
-    still = set(axes.get_children())
-    axes.set_autoscale_on(False)
-    yield
-    moving = [artist for artist in axes.get_children() if artist not in still]
-    for artist in sorted(moving, key=lambda artist: artist.get_zorder()):
-        axes.draw_artist(artist)
-        artist.remove()
 
 
 def _view(runs: Sequence[AnimatedRun]) -> sphere.View:
