@@ -105,4 +105,5 @@ METHOD: Final = Method(
 
 def weights_of(model: str, given: Array) -> Array:
     """Return the attitude weights (3,) of a prediction model: those given, if any."""
-    return given if given.size else np.array([1.0, 1.0, 30.0 if model == "so3" else 10.0])
+    known = given.size and np.isfinite(given).all()  # all NaN: none were given
+    return given if known else np.array([1.0, 1.0, 30.0 if model == "so3" else 10.0])
