@@ -96,7 +96,7 @@ def audit_law(
     scenario = evidence.scenario
     if not scenario.method.memoryless:
         method = scenario.controller.method
-        ledger.skip(_LAW, f"method {method} is a plug-in's, which may remember its past")
+        ledger.skip(_LAW, f"method {method} may remember its past")
         return
     steps = evidence.common(COMMAND, STATE, REFERENCE)
     controller = scenario.build_controller()

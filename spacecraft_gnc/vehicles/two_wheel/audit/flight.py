@@ -1,4 +1,4 @@
-"""Audit of a flight: motion, wheels, references, commands, diagnosis."""
+"""Audit of a flight: motion, wheels, references, plans, commands, diagnosis."""
 
 from __future__ import annotations
 
@@ -23,12 +23,21 @@ from spacecraft_gnc.vehicles.two_wheel.audit.commands import (
 )
 from spacecraft_gnc.vehicles.two_wheel.audit.diagnosis import audit_diagnosis
 from spacecraft_gnc.vehicles.two_wheel.audit.motion import audit_motion
-from spacecraft_gnc.vehicles.two_wheel.recorded import whole_steps
-from spacecraft_gnc.vehicles.two_wheel.signals import APPLIED, COMMAND, DIAGNOSIS, STATE
+from spacecraft_gnc.vehicles.two_wheel.audit.plans import audit_plans
+from spacecraft_gnc.vehicles.two_wheel.recorded import PLANS, whole_steps
+from spacecraft_gnc.vehicles.two_wheel.signals import (
+    APPLIED,
+    COMMAND,
+    DIAGNOSIS,
+    SOLVER_STATUS,
+    STATE,
+)
 
 _TOPICS: Final = Topics(
     every_step=(STATE, REFERENCE, GOVERNOR_STATUS, COMMAND),
-    sparse=(ACCEPTED_TARGET, WALL_TIMING, DIAGNOSIS),
+    sparse=(ACCEPTED_TARGET, WALL_TIMING, SOLVER_STATUS, DIAGNOSIS),  # older bags lack the last two
+    solves=SOLVER_STATUS,
+    plans=tuple(PLANS),
 )
 _OF_A_WHEEL: Final = (
     (STATE, "wheel_speed"),
@@ -71,10 +80,11 @@ class WheelAudit:
         watch: Watch,
     ) -> tuple[Exceedance, ...]:
         """Enter every check of the flight; no limit can be exceeded, for a wheel saturates."""
-        del counts  # nothing is solved
+        del counts  # no failure is looked into
         audit_motion(evidence, ledger, tolerance, watch("integrating"))
         audit_references(evidence, ledger)
         audit_law(evidence, ledger, tolerance, watch("asking the law"))
+        audit_plans(evidence, ledger, watch("certifying the plans"))
         audit_applied(evidence, held, ledger)
         audit_diagnosis(evidence, ledger)
         return ()
