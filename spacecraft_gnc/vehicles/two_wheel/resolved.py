@@ -23,6 +23,10 @@ class Resolved(NamedTuple):
     """(k, m) accelerations of the other controller [rad/s^2]."""
     wall_times: Array
     """(k,) of its answers [s]."""
+    recorded_costs: Array
+    """(k,) of the plans that flew; NaN where none was found."""
+    replayed_costs: Array
+    """(k,) of the plans of the other controller; NaN likewise."""
 
     @property
     def difference(self) -> Array:
@@ -34,3 +38,10 @@ class Resolved(NamedTuple):
         """First step whose commands are not equal bit for bit; None where all are."""
         differ = (self.replayed != self.recorded).any(axis=1)
         return int(self.steps[np.argmax(differ)]) if differ.any() else None
+
+    @property
+    def cost_difference(self) -> float | None:
+        """Largest difference of costs where both found a plan, over 1 + the cost; None: nowhere."""
+        off = np.abs(self.replayed_costs - self.recorded_costs) / (1.0 + self.recorded_costs)
+        known = off[np.isfinite(off)]
+        return float(known.max()) if known.size else None
