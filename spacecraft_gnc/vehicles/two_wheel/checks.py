@@ -13,6 +13,7 @@ from spacecraft_gnc.parameters.parameter import specs_of
 from spacecraft_gnc.parameters.problems import problem_of, shown
 from spacecraft_gnc.vehicles.two_wheel.controllers.feedback import FeedbackParameters
 from spacecraft_gnc.vehicles.two_wheel.controllers.methods import METHODS
+from spacecraft_gnc.vehicles.two_wheel.controllers.fault_tolerant import checks as fault_tolerant
 from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import checks as underactuated
 from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.two_wheel.wheels import as_axes, as_axial, require_bus, require_span
@@ -45,6 +46,7 @@ def check(checked: Checked) -> None:
     _check_start(checked)
     _check_losses(checked)
     _check_belief(checked)
+    fault_tolerant.check(checked)
     underactuated.check(checked)
 
 

@@ -192,6 +192,26 @@ def test_two_wheels_from_the_start_are_refused():
         scenario(lost={}, initial_wheel_speed=[], wheel_lost_at=[], **plant)
 
 
+@pytest.mark.parametrize("name", ["wheel_viscous_friction", "wheel_coulomb_friction"])
+def test_friction_of_other_wheels_than_there_are_is_refused(name):
+    with pytest.raises(InvalidScenario, match=f"nmpc_controller.{name}: .* required 3 numbers"):
+        scenario(controller={name: [1e-4]})
+
+
+def test_commands_that_come_too_late_are_no_failure_of_a_wheel():
+    """The plant holds the command before, or none; the wheels are judged by what they were told."""
+    one = scenario(lost={})
+    plant, controller = one.build_plant(), one.build_controller()
+    reference, rng = Reference(np.eye(3), *np.zeros((2, 3))), np.random.default_rng(5)
+    held = plant.idle_control
+    for _ in range(60):
+        command = controller.command(plant.state, reference)
+        assert diagnosis_of(command).healthy.all()
+        kept = rng.random() < 0.4
+        held = held if kept else command.control
+        plant.step(plant.idle_control if kept and rng.random() < 0.5 else held)
+
+
 def test_the_plan_uses_the_wheels_left():
     one = scenario(duration=200.0)
     loop = one.build()
