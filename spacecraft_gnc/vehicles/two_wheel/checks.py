@@ -11,9 +11,9 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.parameter import specs_of
 from spacecraft_gnc.parameters.problems import problem_of, shown
+from spacecraft_gnc.vehicles.two_wheel.controllers.fault_tolerant import checks as fault_tolerant
 from spacecraft_gnc.vehicles.two_wheel.controllers.feedback import FeedbackParameters
 from spacecraft_gnc.vehicles.two_wheel.controllers.methods import METHODS
-from spacecraft_gnc.vehicles.two_wheel.controllers.fault_tolerant import checks as fault_tolerant
 from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import checks as underactuated
 from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.two_wheel.wheels import as_axes, as_axial, require_bus, require_span

@@ -126,6 +126,19 @@ def test_wheels_are_lost_one_after_the_other():
     assert told[-1].healthy.tolist() == [False, False, False, True]
 
 
+@pytest.mark.parametrize("first", [-1.0, 200.0], ids=["used two", "spare takes over"])
+def test_of_three_wheels_in_a_plane_two_are_used_and_the_third_is_to_spare(first):
+    axes = [1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]
+    wheels = {"wheel_axes": axes, "wheel_inertias": [0.043] * 4, "initial_wheel_speed": [0.0] * 4}
+    one = scenario(FOUR, lost={0: first, 3: 100.0}, **wheels)
+    flight, found, told = flown(one)
+    require_good(flight, found, 0.02)
+    assert told[-1].mode is Mode.UNDERACTUATED
+    assert told[-1].healthy.tolist() == [first < 0.0, True, True, False]
+    assert np.abs(flight.wheel_speed[13:20, 2]).max() < 1e-9
+    assert (np.abs(flight.wheel_speed[21:, 2]).max() > 10.0) == (first > 0.0)
+
+
 @pytest.mark.parametrize(
     ("viscous", "coulomb"), [(1e-5, 1e-4), (1e-4, 1e-3)], ids=["little", "much"]
 )
@@ -133,6 +146,7 @@ def test_friction_of_the_bearings_is_no_loss_and_hides_none(viscous, coulomb):
     rub = {"wheel_viscous_friction": [viscous] * 3, "wheel_coulomb_friction": [coulomb] * 3}
     _, found, _ = flown(scenario(lost={}, duration=5000.0, **rub))
     assert found["wheel_loss_detected_at"] is None
+    assert found["final_error_deg"] < 0.01
     flight, found, _ = flown(scenario(**rub))
     require_good(flight, found)
     assert found["wheel_loss_detected_at"] <= 130.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -115,12 +116,10 @@ class FaultTolerantController:
 
     def warm_up(self) -> None:
         """Compile or load the kernels of every way to fly."""
+        self.reset()
         self._all.warm_up()
-        for i in range(self.gyrostat.n_wheels):
-            healthy = np.arange(self.gyrostat.n_wheels) != i
-            if span_of(self.gyrostat.wheel_axes[:, healthy]) == 2:
-                self._two_wheel_pilot_of(healthy).warm_up()
-                break
+        two = _most_independent(self.gyrostat.wheel_axes, self._healthy)
+        self._two_wheel_pilot_of(two).warm_up()
         self.reset()
 
     def reset(self) -> None:
@@ -128,6 +127,7 @@ class FaultTolerantController:
         self._monitor.reset()
         self._all.reset()
         self._healthy = np.ones(self.gyrostat.n_wheels, dtype=bool)
+        self._used = self._healthy
         self._pilot: ShootingPilot | TwoWheelPilot | None = self._all
         self._wheels: TwoWheels | None = None
         self._dead: dict[int, RunDown] = {}
@@ -143,7 +143,7 @@ class FaultTolerantController:
         if not _is_finite(state, target):
             nothing = np.zeros(self.gyrostat.n_wheels)
             return Command(nothing, Source.ZERO, WheelReport(None, self._unknown(reading)))
-        command, mode, held = self._fly(state, target)
+        command, mode, held = self._fly(state, target, reading)
         report = WheelReport(solve_of(command), _told(reading, mode, held))
         acceleration = command.control.copy()
         for i, dead in self._dead.items():
@@ -151,18 +151,20 @@ class FaultTolerantController:
         return Command(acceleration, command.source, report)
 
     def _switch(self, healthy: NDArray[np.bool_]) -> None:
-        """Fly on with fewer wheels."""
+        """Fly on with fewer wheels: those of them that are not used are brought to rest as well."""
         self._healthy = healthy
-        axes = self.gyrostat.wheel_axes[:, healthy]
+        axes = self.gyrostat.wheel_axes
+        rank = span_of(axes[:, healthy])
+        self._used = healthy if rank != 2 else _most_independent(axes, healthy)
         most = self.gyrostat.max_acceleration or math.inf
-        for i in np.flatnonzero(~healthy).tolist():
-            self._dead.setdefault(i, RunDown(self.period, most))
+        idle = np.flatnonzero(~self._used).tolist()
+        self._dead = {i: self._dead.get(i) or RunDown(self.period, most) for i in idle}
         self._pilot = self._wheels = None
-        if span_of(axes) == 3:
+        if rank == 3:
             self._pilot = self._pilot_of(healthy)
-        elif span_of(axes) == 2:
-            self._pilot = self._two_wheel_pilot_of(healthy)
-            self._wheels = TwoWheels(self.gyrostat, healthy)
+        elif rank == 2:
+            self._pilot = self._two_wheel_pilot_of(self._used)
+            self._wheels = TwoWheels(self.gyrostat, self._used)
 
     def _follow(self, state: WheelState) -> None:
         """Take in what the wheels that do not answer did over the last step."""
@@ -175,17 +177,17 @@ class FaultTolerantController:
             if math.isfinite(sum(numbers)):
                 dead.observe(*numbers)
 
-    def _fly(self, state: WheelState, target: Matrix3) -> tuple[Command, Mode, Held]:
+    def _fly(
+        self, state: WheelState, target: Matrix3, reading: Reading
+    ) -> tuple[Command, Mode, Held]:
         """Return the command for the wheels that answer, how it is flown, and what is held."""
-        expected = self._expect(state)
-        own = (expected.speeds[1] - expected.speeds[0]) / self.period
-        pilot = self._pilot
+        expected, pilot = self._expect(state), self._pilot
         if isinstance(pilot, ShootingPilot):
             mode = Mode.REALLOCATED if self._dead else Mode.NOMINAL
-            command = pilot.command(state, target, own if self._dead else None)
+            command = pilot.command(state, target, self._own(expected, reading))
             return command, mode, Held(Rest.AT_TARGET, target, np.zeros(3), 0.0)
         if self._wheels is None or pilot is None:
-            acceleration, held = brake(self.gyrostat, self._healthy, state, target)
+            acceleration, held = brake(self.gyrostat, self._used, state, target)
             return Command(acceleration), Mode.HOLDING, held
         held = self._holdable(state, expected, target)
         if held.rest is Rest.AT_TARGET and self._is_free(state):
@@ -194,6 +196,20 @@ class FaultTolerantController:
         pilot.reset()
         law = keep_turning if held.rest is Rest.NOWHERE else go_to_rest
         return Command(law(self._wheels, state, held, expected.speeds[1])), Mode.HOLDING, held
+
+    def _own(self, expected: _Expected, reading: Reading) -> Array | None:
+        """Return the accelerations (m,) that the wheels have beside those commanded; None: none.
+
+        Of those that answer: what friction took from them over the last step. One that sticks is
+        thus commanded more and more until it moves.
+        """
+        rubs = bool(self._monitor.test.offset.any() or self._monitor.test.slope.any())
+        if not (self._dead or rubs):
+            return None
+        own = (expected.speeds[1] - expected.speeds[0]) / self.period
+        known = self._healthy & np.isfinite(reading.residual)
+        taken = np.where(known, reading.residual, 0.0) / self.period
+        return np.asarray(own + taken if rubs else own)
 
     def _expect(self, state: WheelState) -> _Expected:
         """Predict the wheels that do not answer."""
@@ -207,7 +223,7 @@ class FaultTolerantController:
     def _holdable(self, state: WheelState, expected: _Expected, target: Matrix3) -> Held:
         g = self.gyrostat
         return holdable(
-            g.inertia, g.wheel_axes, g.wheel_inertias, self._healthy, expected.final,
+            g.inertia, g.wheel_axes, g.wheel_inertias, self._used, expected.final,
             state.total_momentum, target,
         )  # fmt: skip
 
@@ -217,13 +233,20 @@ class FaultTolerantController:
 
     def _drift(self, expected: _Expected) -> Array:
         """Return the rate (N + 1, 3) that wheels which do not answer give the bus."""
-        dead = ~self._healthy
+        dead = ~self._used
         momentum = expected.speeds[:, dead] @ self.gyrostat.wheels[:, dead].T
         return np.asarray(-np.linalg.solve(self.gyrostat.inertia, momentum.T).T)
 
     def _unknown(self, reading: Reading) -> Diagnosis:
         nothing = Held(Rest.NOWHERE, np.eye(3), np.zeros(3), 0.0)
         return _told(reading, Mode.HOLDING, nothing)
+
+
+def _most_independent(axes: Array, healthy: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the two wheels (m,) of ``healthy`` whose axes are nearest to a right angle."""
+    pairs = combinations(np.flatnonzero(healthy).tolist(), 2)
+    best = max(pairs, key=lambda pair: float(np.linalg.norm(np.cross(*axes[:, pair].T))))
+    return np.asarray(np.isin(np.arange(len(healthy)), best))
 
 
 def _told(reading: Reading, mode: Mode, held: Held) -> Diagnosis:
