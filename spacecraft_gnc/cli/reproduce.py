@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 NameArgument = Annotated[
     str | None,
     typer.Argument(
-        metavar="NAME", help="gupta2015, bagherzadeh2023 or kalabic2014.  [default: all]"
+        metavar="NAME",
+        help="gupta2015, bagherzadeh2023, kalabic2014 or afrl2016.  [default: all]",
     ),
 ]
 ResultOption = Annotated[
@@ -35,7 +36,24 @@ OutOption = Annotated[
 ]
 BaselinesOption = Annotated[
     bool,
-    typer.Option("--baselines/--no-baselines", help="Fly the slow baseline solvers (ten seconds)."),
+    typer.Option("--baselines/--no-baselines", help="Run the slow baseline solvers as well."),
+]
+PartOption = Annotated[
+    str | None,
+    typer.Option(
+        "--only", metavar="PART", help="One part of a paper: two_wheel of afrl2016.  [default: all]"
+    ),
+]
+RunsOption = Annotated[
+    int | None,
+    typer.Option(
+        "--runs",
+        "-n",
+        metavar="N",
+        min=0,
+        help="Flights of each campaign of a paper; 0: none.  [default: 1000]",
+        show_default=False,
+    ),
 ]
 
 
@@ -44,27 +62,36 @@ def reproduce(
     result: ResultOption = None,
     out: OutOption = Path("runs/reproduce"),
     baselines: BaselinesOption = True,
+    only: PartOption = None,
+    runs: RunsOption = None,
     quiet: QuietOption = False,
 ) -> None:
     """Run a paper's cases; print ours beside the paper's figures; draw its pictures.
 
-    Ends with 1 where a figure does not come out.
+    A campaign of a paper is flown in a folder of its name beside the pictures, and goes on there
+    if it was ended. Ends with 1 where a figure does not come out.
     """
     from spacecraft_gnc.drawing.figures import save_figures
-    from spacecraft_gnc.studies import PAPERS, reproduce, require_paper
+    from spacecraft_gnc.studies import PAPERS, reproduce, require_paper, require_part
+    from spacecraft_gnc.studies.options import Options
 
     if name is not None:
         require_paper(name)
+    if only is not None:
+        require_part(name, only)
     _require_writable(result)
     require_folder(out)
     reports = []
     for paper in PAPERS if name is None else [name]:
         with show_progress("flying", silent=quiet) as show:
-            report = reproduce(
-                paper,
+            options = Options(
                 baselines=baselines,
+                only=only,
+                folder=out,
+                runs=runs,
                 progress=lambda what, step, n_steps: show(step, n_steps, what),
             )
+            report = reproduce(paper, options)
             files = save_figures(report.draw(), out)
         if not quiet:
             _print(report, files)

@@ -21,7 +21,8 @@ from spacecraft_gnc.studies.bagherzadeh2023_study import (
     correction_times,
     study_all,
 )
-from spacecraft_gnc.studies.flights import Flown, Progress, fly
+from spacecraft_gnc.studies.flights import Flown, fly
+from spacecraft_gnc.studies.options import Options
 from spacecraft_gnc.studies.report import NONE, Check, Report, Table, seconds, times
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
@@ -52,8 +53,9 @@ CUT: Final = (0.07, 0.28, 0.25)
 LINEAR: Final = (0.9, 3.6, 7.5)  # at 150 s
 
 
-def run(baselines: bool, progress: Progress) -> Report:  # noqa: ARG001  # it has no slow baseline
+def run(options: Options) -> Report:
     """Fly the cases; return the report."""
+    progress = options.progress
     variants = {name: fly(file, progress=progress) for name, file in VARIANTS.items()}
     studies = study_all(progress)
     costs = correction_times(studies)

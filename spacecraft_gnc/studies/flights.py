@@ -44,12 +44,15 @@ class Stopwatch:
     ----------
     times : list of float
         Wall time of each command since the last reset [s].
+    reports : list
+        What the method reported beside each of them.
     """
 
     def __init__(self, controller: Controller[Any, Any]) -> None:
         self._controller = controller
         self.period, self.name, self.slow = controller.period, controller.name, controller.slow
         self.times: list[float] = []
+        self.reports: list[Any] = []
 
     def warm_up(self) -> None:
         """Compile or load everything that `command` needs."""
@@ -58,13 +61,14 @@ class Stopwatch:
     def reset(self) -> None:
         """Forget the past."""
         self._controller.reset()
-        self.times = []
+        self.times, self.reports = [], []
 
     def command(self, state: State, reference: Reference) -> Command:
         """Return the controller's command."""
         begun = perf_counter()
         command = self._controller.command(state, reference)
         self.times.append(perf_counter() - begun)
+        self.reports.append(command.report)
         return command
 
 
@@ -122,6 +126,8 @@ class Flown(NamedTuple):
     """(n,) median over the repeats of each command's time [s]."""
     decision_times: Array
     """The same for the governor's decisions."""
+    reports: Sequence[Any] = ()
+    """(n,) what the method reported beside each command of the last flight."""
 
     @property
     def total(self) -> float:
@@ -166,7 +172,7 @@ def fly(
         )
         rows.append((watch.times, decisions.times))
     command_times, decision_times = np.median(np.array(rows), axis=0)
-    return Flown(scenario, trajectory, command_times, decision_times)
+    return Flown(scenario, trajectory, command_times, decision_times, watch.reports)
 
 
 def set_vector(parameter: str, vector: Array) -> str:

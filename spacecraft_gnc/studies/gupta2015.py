@@ -26,6 +26,7 @@ from spacecraft_gnc.studies.flights import (
     apart_deg,
     fly,
 )
+from spacecraft_gnc.studies.options import Options
 from spacecraft_gnc.studies.report import NONE, Check, Report, Table, seconds, times
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
@@ -76,11 +77,11 @@ class Flights:
         return summarize(flown.trajectory, flown.scenario)
 
 
-def run(baselines: bool, progress: Progress) -> Report:
+def run(options: Options) -> Report:
     """Fly the cases; return the report."""
-    flights = _fly_all(baselines, progress)
+    flights = _fly_all(options.baselines, options.progress)
     checks = [*_first_problem(), *_case_1(flights), *_case_2(flights), *_equilibria(flights)]
-    if baselines:
+    if options.baselines:
         for case in SCENARIOS:
             apart = float(apart_deg(flights.of(case), flights.of(case, "fsolve")).max())
             checks.append(Check(f"{case}: fsolve's flight from ours", 0.0, apart, 1e-5, "deg"))

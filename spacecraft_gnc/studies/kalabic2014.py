@@ -15,7 +15,8 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.loop import Flight
-from spacecraft_gnc.studies.flights import Flown, Progress, fly
+from spacecraft_gnc.studies.flights import Flown, fly
+from spacecraft_gnc.studies.options import Options
 from spacecraft_gnc.studies.report import Check, Report, Table, seconds, times
 from spacecraft_gnc.studies.speed import machine, machine_line
 from spacecraft_gnc.types import Array
@@ -70,12 +71,11 @@ class Flights:
         return self.by_name[name].trajectory
 
 
-def run(baselines: bool, progress: Progress) -> Report:
+def run(options: Options) -> Report:
     """Fly the cases; return the report."""
-    del baselines  # the paper has none
     flights = Flights(
         {
-            name: fly(scenario, overrides, repeats=1, progress=progress)
+            name: fly(scenario, overrides, repeats=1, progress=options.progress)
             for name, (scenario, overrides) in FLIGHTS.items()
         }
     )
