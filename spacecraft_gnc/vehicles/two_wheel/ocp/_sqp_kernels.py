@@ -29,6 +29,7 @@ _ARMIJO = 1e-4
 _SHORTEST = 2.0**-12
 _STEEPER = 10.0  # of the price of a missed end, where the present one does not close it
 _RISES = 4  # of the price
+_CLOSED = 1e-3  # of the tolerance: a missed end changes the cost to first order, unlike the rest
 _CONVEXIFYING = 1000.0  # of the end's condition, times the largest weight
 
 
@@ -230,8 +231,10 @@ def linear_miss(Ct, b, x, N, nx):
 
 
 @kernel
-def verdict(status, y, sigma, miss, hard, tolerance):
+def verdict(status, y, sigma, residual, miss, hard, tolerance):
     """Status of a run that ends early: infeasible where the price of the missed end is reached."""
+    if residual < tolerance and miss < tolerance:
+        return CONVERGED
     if hard and miss > tolerance and max(abs(y[0]), abs(y[1]), abs(y[2])) > 0.5 * sigma:
         return INFEASIBLE
     return status
@@ -258,7 +261,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
     roll_out(model, T, C, drift, nu, a, scratch)
     value = objective(model, T, nu, a, cost, e, E)
     miss = missed(e) if hard else 0.0
-    known, rises = False, 0
+    known, rises, residual = False, 0, np.inf
     for iteration in range(most + 1):
         told[0] = iteration
         fresh = iteration == 0 or not chord
@@ -274,16 +277,17 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
         if not np.isfinite(value) or not np.isfinite(residual):
             return NOT_FINITE
         if known and residual < tolerance:
-            if miss < tolerance:
+            if miss < _CLOSED * tolerance:
                 if not fresh:  # for the certificate
                     stages(
                         model, T, C, drift, nu, a, cost, y, True, A, B, M, m, Ct, b, scratch, local
                     )
                 return CONVERGED
-            if rises == _RISES:
-                return INFEASIBLE
-            rises += 1
-            sigma *= _STEEPER
+            if miss > tolerance:
+                if rises == _RISES:
+                    return INFEASIBLE
+                rises += 1
+                sigma *= _STEEPER
         if iteration == most:
             break
         status, count = interior_point(
@@ -345,7 +349,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
                 continue
             alpha *= 0.5
         if not moved:
-            return verdict(NO_PROGRESS, y, sigma, miss, hard, tolerance)
+            return verdict(NO_PROGRESS, y, sigma, residual, miss, hard, tolerance)
         known = True
         for k in range(N + 1):
             for i in range(2):
@@ -358,4 +362,4 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
             for i in range(4):
                 z[k, i] += alpha * (zq[k, i] - z[k, i])
         value, miss = value_try, miss_try
-    return verdict(SPENT, y, sigma, miss, hard, tolerance)
+    return verdict(SPENT, y, sigma, residual, miss, hard, tolerance)
