@@ -16,6 +16,7 @@ from spacecraft_gnc.vehicles.two_wheel.ocp.certificate import reduced_curvature
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import WheelOcp
 from spacecraft_gnc.vehicles.two_wheel.ocp.search import IDENTITY, Found, solve
 from spacecraft_gnc.vehicles.two_wheel.ocp.solution import WarmStart, WheelSolution
+from spacecraft_gnc.vehicles.two_wheel.ocp.starts import within
 
 _STATUS: Final = {
     "Solve_Succeeded": Status.CONVERGED,
@@ -114,9 +115,7 @@ class IpoptSolver:
         """Return what one start leads to."""
         built, ocp = self._get(soft), self.ocp
         p, n, na = built.program, ocp.horizon, first.size
-        w = (speeds @ ocp.rates.T + rates).T
-        a = np.asarray(built.flows(first, w[:, :-1], w[:, 1:])).T
-        x = np.column_stack([speeds[1:], a]).ravel()
+        x = np.column_stack([speeds[1:], _rolled_out(built, ocp, first, speeds, rates)]).ravel()
         given = np.concatenate([first, speeds[0], rates.ravel()])
         ipopt, multipliers = built.cold, {}
         rows = 0 if soft else 3
@@ -131,11 +130,14 @@ class IpoptSolver:
         prices = np.asarray(out["lam_x"]).reshape(n, 2 + na)[:, :2]
         prices[-1] = 0.0  # nu_N is no bound
         lam = np.asarray(out["lam_g"]).ravel()
+        status = _STATUS.get(stats["return_status"], Status.LINE_SEARCH_FAILED)
+        if status != Status.CONVERGED:  # its flows and limits are violated: make it a plan
+            near = within(ocp, np.vstack([speeds[0], stages[:, :2]]), speeds[0])
+            stages = np.column_stack([near[1:], _rolled_out(built, ocp, first, near, rates)])
         e = np.asarray(built.coordinates(stages[-1, 2:])).ravel()
         report = np.array(
             [stats["iter_count"], _residual(stats), float(out["f"]), np.abs(e).sum(), 0.0]
         )
-        status = _STATUS.get(stats["return_status"], Status.LINE_SEARCH_FAILED)
         terminal = lam[n * na : n * na + rows]
         return Found(
             status,
@@ -178,6 +180,12 @@ def _curvature(found: Found) -> float:
         np.eye(2 * n)[active[:, 2:].ravel()],
     ]
     return reduced_curvature(flat.T @ hessian @ flat, np.vstack(conditions))
+
+
+def _rolled_out(built: _Built, ocp: WheelOcp, first: Array, speeds: Array, rates: Array) -> Array:
+    """Return the attitudes (N, na) after the first that speeds (N+1, 2) lead to."""
+    w = (speeds @ ocp.rates.T + rates).T
+    return np.asarray(built.flows(first, w[:, :-1], w[:, 1:])).T
 
 
 def _multipliers(p: Any, x: Array, given: Array, warm: WarmStart, na: int) -> dict[str, Array]:
