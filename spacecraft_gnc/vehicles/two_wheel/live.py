@@ -28,7 +28,7 @@ from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest
 from spacecraft_gnc.vehicles.two_wheel.flown import limit_of, turning, wheel_rims
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 from spacecraft_gnc.vehicles.two_wheel.signals import DIAGNOSIS
-from spacecraft_gnc.vehicles.two_wheel.summary import mode_name
+from spacecraft_gnc.vehicles.two_wheel.summary import RESTS, mode_name
 
 _SHOWN: Final = (
     "angular_velocity", "wheel_speed", "wheel_acceleration", "total_momentum", "healthy",
@@ -41,11 +41,6 @@ _MODES: Final = dict(
 )
 """Color of each mode, on a dark page."""
 _MOODS: Final = {mode_name(mode): "warn" for mode in Mode if mode is not Mode.NOMINAL}
-_RESTS: Final = {
-    Rest.AT_TARGET: "at the target",
-    Rest.ELSEWHERE: "possible elsewhere only",
-    Rest.NOWHERE: "impossible",
-}
 _LIMITS: Final = ("max_wheel_speed", "max_wheel_acceleration")
 
 
@@ -161,7 +156,7 @@ def _diagnosis(values: Mapping[str, Any]) -> Iterator[Readout]:
             yield Readout(f"answer of wheel {i + 1}", f"{100.0 * response[i]:.0f} % of its command")
     rest = -1 if values["rest"] is None else int(values["rest"])
     if mode not in (_UNKNOWN, mode_name(Mode.NOMINAL)) and 0 <= rest < len(Rest):
-        yield Readout("rest", _RESTS[Rest(rest)], "" if rest == Rest.AT_TARGET else "warn")
+        yield Readout("rest", RESTS[Rest(rest)], "" if rest == Rest.AT_TARGET else "warn")
         yield from _held(values)
 
 

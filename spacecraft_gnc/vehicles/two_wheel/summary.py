@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest
 from spacecraft_gnc.vehicles.two_wheel.metrics import SETTLED_ANGLE, SETTLED_RATE, summarize
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         of `metrics.summarize`, ``max_wheel_speed_limit`` and ``max_wheel_acceleration_limit`` (None
         where there is none, or no scenario), ``momentum_drift`` (largest change of the total
         momentum [N m s]), ``sources`` (steps by source), ``modes`` (steps by mode),
+        ``rest`` (where it can come to rest, at the end: `RESTS`), ``remaining_rate`` [rad/s] and
+        ``pointing_loss_deg`` of what is held then,
         ``fallback_steps``,
         ``limits_exceeded`` (none: a wheel saturates), ``solve_time_median``, ``_p99``, ``_max`` [s]
         (None where nothing is solved).
@@ -51,6 +54,7 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         ),
         "momentum_drift": _drift(flight.total_momentum),
         "sources": {_named(source): count for source, count in sorted(sources.items())},
+        **_held(flight),
         "modes": {mode_name(mode): count for mode, count in sorted(modes.items())},
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
         "limits_exceeded": [],
@@ -88,6 +92,10 @@ def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
     ]
     if any(name != mode_name(Mode.NOMINAL) for name in m["modes"]):
         rows.append(("flown", ", ".join(f"{name} {n}" for name, n in m["modes"].items())))
+    if m["rest"] not in (None, RESTS[Rest.AT_TARGET]):
+        turns, loss = m["remaining_rate"], m["pointing_loss_deg"]
+        held = f", turning at {turns:.3g} rad/s" if turns else ""
+        rows.append(("rest", f"{m['rest']}; held {loss:.4g} deg off the target{held}"))
     noticed = m["wheel_loss_detected_at"]
     told = "not noticed" if noticed is None else f"noticed at {noticed:g} s"
     if lost is not None:
@@ -106,6 +114,24 @@ def _beside_limit(m: dict[str, Any], name: str, unit: str) -> str:
 def _drift(momentum: Array) -> float:
     known = momentum[np.isfinite(momentum).all(axis=1)]
     return float(np.linalg.norm(known - known[0], axis=1).max()) if len(known) else 0.0
+
+
+RESTS: Final = {
+    Rest.AT_TARGET: "at the target",
+    Rest.ELSEWHERE: "elsewhere only",
+    Rest.NOWHERE: "impossible",
+}
+
+
+def _held(flight: WheelFlight) -> dict[str, Any]:
+    """Return where it can come to rest at the end, and what is held; None: not known."""
+    rest, rate = int(flight.rest[-1]), float(np.linalg.norm(flight.remaining_rate[-1]))
+    loss = math.degrees(flight.pointing_loss[-1])
+    return {
+        "rest": RESTS[Rest(rest)] if 0 <= rest < len(Rest) else None,
+        "remaining_rate": rate if math.isfinite(rate) else None,
+        "pointing_loss_deg": loss if math.isfinite(loss) else None,
+    }
 
 
 def mode_name(mode: int) -> str:

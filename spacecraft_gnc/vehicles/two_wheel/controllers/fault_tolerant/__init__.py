@@ -27,6 +27,7 @@ class FaultTolerantParameters(ShootingParameters, UnderactuatedParameters):
         otherwise="plant.wheel_viscous_friction",
         minimum=0.0,
         maximum=LARGEST,
+        is_neutral=True,
     )
     wheel_coulomb_friction: Array = parameter(
         Kind.DOUBLE_ARRAY,
@@ -38,6 +39,7 @@ class FaultTolerantParameters(ShootingParameters, UnderactuatedParameters):
         otherwise="plant.wheel_coulomb_friction",
         minimum=0.0,
         maximum=LARGEST,
+        is_neutral=True,
     )
 
 

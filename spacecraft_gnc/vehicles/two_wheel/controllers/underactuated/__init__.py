@@ -25,12 +25,14 @@ class UnderactuatedParameters:
         "underactuated: model of the attitude; so3: exact, on rotations; euler_321: exact, in "
         "3-2-1 angles; simplified: for small angles",
         choices=("simplified", "euler_321", "so3"),
+        is_neutral=True,
     )
     solver: str = parameter(
         Kind.STRING,
         "sqp",
         "underactuated: solver of the problem; ipopt needs CasADi",
         choices=("sqp", "ipopt"),
+        is_neutral=True,
     )
     horizon: int = parameter(
         Kind.INTEGER,
@@ -39,6 +41,7 @@ class UnderactuatedParameters:
         unit="steps",
         minimum=2,
         maximum=1000,
+        is_neutral=True,
     )
     attitude_weights: Array = parameter(
         Kind.DOUBLE_ARRAY,
@@ -49,9 +52,15 @@ class UnderactuatedParameters:
         shape=(3,),
         may_be_empty=True,
         **_WEIGHT,
+        is_neutral=True,
     )
     speed_weight: float = parameter(
-        Kind.DOUBLE, 1e-6, "underactuated: weight of the wheel speeds", unit="(s/rad)^2", **_WEIGHT
+        Kind.DOUBLE,
+        1e-6,
+        "underactuated: weight of the wheel speeds",
+        unit="(s/rad)^2",
+        is_neutral=True,
+        **_WEIGHT,
     )
     acceleration_weight: float = parameter(
         Kind.DOUBLE,
@@ -59,6 +68,7 @@ class UnderactuatedParameters:
         "underactuated: weight of the wheel accelerations",
         unit="(s^2/rad)^2",
         **_WEIGHT,
+        is_neutral=True,
     )
     terminal: str = parameter(
         Kind.STRING,
@@ -67,6 +77,7 @@ class UnderactuatedParameters:
         "waypoint on a path to it; soft: at rest, near it by terminal_weight; hard: nowhere, so "
         "that it has to be within reach from the start",
         choices=("shaped", "soft", "hard"),
+        is_neutral=True,
     )
     terminal_weight: float = parameter(
         Kind.DOUBLE,
@@ -74,6 +85,7 @@ class UnderactuatedParameters:
         "underactuated: weight of the attitude error at the end of a plan that does not reach it",
         unit="rad^-2",
         **_WEIGHT,
+        is_neutral=True,
     )
     restarts: int = parameter(
         Kind.INTEGER,
@@ -81,6 +93,7 @@ class UnderactuatedParameters:
         "underactuated: random starts of a solve where no other start leads to a plan",
         minimum=0,
         maximum=1000,
+        is_neutral=True,
     )
     seed: int = parameter(
         Kind.INTEGER,
@@ -88,11 +101,13 @@ class UnderactuatedParameters:
         "underactuated: seed of the random starts",
         minimum=0,
         maximum=2**31 - 1,
+        is_neutral=True,
     )
     chord: bool = parameter(
         Kind.BOOL,
         False,
         "underactuated: whether a solve with sqp keeps the Hessian of its first step",
+        is_neutral=True,
     )
 
 
