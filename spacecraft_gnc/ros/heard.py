@@ -121,10 +121,11 @@ class Heard:
 
 
 def _value(message: Message | None, place: _Place) -> Any:
-    """Return a value of a message; None where it has none, or an array that is not finite."""
+    """Return a value of a message; None where it has none, or a column that is not finite."""
     if message is None or place.member not in message.places:
         return None
     if place.shape == _SCALAR:
-        return message[place.member]
+        value = message[place.member]
+        return np.asarray(value) if isinstance(value, tuple) else value
     array = message.array(place.member).reshape(place.shape)
     return array if np.isfinite(array).all() else None

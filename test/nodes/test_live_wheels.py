@@ -12,13 +12,17 @@ from live.watching import Wall
 from node_messages import ends
 from rclpy.node import Node
 
+from spacecraft_gnc.analysis.live.picture import Phase, Picture, Setup
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ros import live_source
+from spacecraft_gnc.ros.heard import Heard
 from spacecraft_gnc.ros.live_source import LiveSource
 from spacecraft_gnc.signals.message import stamp_of
 from spacecraft_gnc.vehicles.registry import vehicle_of
-from spacecraft_gnc.vehicles.two_wheel.signals import STATE, Accelerations, Motion
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import Diagnosis, Mode, Rest
+from spacecraft_gnc.vehicles.two_wheel.live import LIVE
+from spacecraft_gnc.vehicles.two_wheel.signals import DIAGNOSIS, STATE, Accelerations, Motion
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
 SPEEDS = np.array([1.0, -2.0, 3.0])
@@ -50,6 +54,27 @@ def test_a_plant_with_wheels_is_found_and_shown(ros: Any) -> None:
     assert picture.values["wheel_acceleration"] is None
     told = picture.readouts(source.setup)
     assert [line.text for line in told["wheels"]] == ["1 rad/s", "-2 rad/s", "3 rad/s"]
+
+
+def test_the_diagnosis_of_a_graph_is_shown() -> None:
+    room = vehicle_of("two_wheel")
+    heard = Heard(room, LIVE)
+    diagnosis = Diagnosis(
+        np.array([True, True, False]), np.array([0.0, 1e-16, 0.5]), np.full(3, 0.1),
+        np.array([np.nan, 1.0, 0.25]), Mode.HOLDING, Rest.NOWHERE, np.array([0.0, 0.0, 2e-3]),
+        np.eye(3), 0.1,
+    )  # fmt: skip
+    heard.put(DIAGNOSIS, 2, DIAGNOSIS.encode(stamp_of(2, 10**9), 2, diagnosis))
+    picture = Picture(phase=Phase.FLYING, values=LIVE.values(heard.row(2), LIVE.constants(None)))
+    assert picture.as_json()["wheel_response"] == [None, 1.0, 0.25]
+    setup = Setup.without_scenario("graph", room, live=True)
+    told = {line.label: line.text for line in picture.readouts(setup)["diagnosis"]}
+    assert told == {
+        "flown": "holding", "excluded": "wheel 3", "residual 3": "0.5 rad/s, bound 0.1",
+        "answer 3": "25 % of its command", "rest": "impossible",
+        "keeps turning at": "2 mrad/s", "about body axis": "0, 0, 1",
+        "held off the target by": "5.73°",
+    }  # fmt: skip
 
 
 class Graph:

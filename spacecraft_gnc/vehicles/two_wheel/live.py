@@ -150,10 +150,10 @@ def _diagnosis(values: Mapping[str, Any]) -> Iterator[Readout]:
     residual, threshold, response = (values[name] for name in names)
     for i in excluded:
         if residual is not None and math.isfinite(residual[i]):
-            bound = f"{abs(residual[i]):.3g} rad/s of {threshold[i]:.3g}"
-            yield Readout(f"residual of wheel {i + 1}", bound, "warn")
+            bound = f"{abs(residual[i]):.3g} rad/s, bound {threshold[i]:.2g}"
+            yield Readout(f"residual {i + 1}", bound, "warn")
         if response is not None and math.isfinite(response[i]):
-            yield Readout(f"answer of wheel {i + 1}", f"{100.0 * response[i]:.0f} % of its command")
+            yield Readout(f"answer {i + 1}", f"{100.0 * response[i]:.0f} % of its command")
     rest = -1 if values["rest"] is None else int(values["rest"])
     if mode not in (_UNKNOWN, mode_name(Mode.NOMINAL)) and 0 <= rest < len(Rest):
         yield Readout("rest", RESTS[Rest(rest)], "" if rest == Rest.AT_TARGET else "warn")

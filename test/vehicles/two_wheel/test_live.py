@@ -71,8 +71,8 @@ def test_what_is_held_is_told():
     }  # fmt: skip
     told = {line.label: line.text for line in _diagnosis(values)}
     assert told == {
-        "flown": "holding", "excluded": "wheel 2", "residual of wheel 2": "0.5 rad/s of 0.1",
-        "answer of wheel 2": "25 % of its command", "rest": "impossible",
+        "flown": "holding", "excluded": "wheel 2", "residual 2": "0.5 rad/s, bound 0.1",
+        "answer 2": "25 % of its command", "rest": "impossible",
         "keeps turning at": "0.5 mrad/s", "about body axis": "0, 0.6, 0.8",
         "held off the target by": "12°",
     }  # fmt: skip
