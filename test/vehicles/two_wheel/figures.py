@@ -7,6 +7,7 @@ import time
 import numpy as np
 from test_dynamics import Bodies
 from test_feedback import TARGET, at_rest, fly
+from test_friction import FRICTION
 from wheeled import ATTITUDE, ORTHOGONAL, PYRAMID, RATE, SPEEDS, afrl, momentum, small, start
 
 from spacecraft_gnc import lie
@@ -26,9 +27,14 @@ def timed(call, *arguments, repeat=1):
 
 def invariants():
     print("# a million steps of 0.01 s, four wheels: worst relative drift")
-    gyrostat, n = small(PYRAMID, 0.01, max_speed=200.0), 1_000_000
+    smooth, n = small(PYRAMID, 0.01, max_speed=200.0), 1_000_000
+    rubbing = small(PYRAMID, 0.01, max_speed=200.0, **FRICTION)
     commands = np.random.default_rng(0).normal(scale=20.0, size=(n, 4))
-    for name, given in (("held", np.zeros((n, 4))), ("driven", commands)):
+    for name, gyrostat, given in (
+        ("held", smooth, np.zeros((n, 4))),
+        ("driven", smooth, commands),
+        ("driven, with friction", rubbing, commands),
+    ):
         motion, spent = timed(gyrostat.simulate, start(gyrostat), given)
         total = momentum(gyrostat, *motion)
         drift = np.abs(total - total[0]).max() / np.linalg.norm(total[0])
@@ -43,6 +49,15 @@ def accuracy():
     turned, turning, _ = bodies.fly(ATTITUDE, RATE, SPEEDS, driven, 4.0)
     for n in (20, 40, 80, 160):
         gyrostat = Gyrostat(bodies.locked(), PYRAMID, bodies.axial, 4.0 / n)
+        state = gyrostat.step(gyrostat.state_from_rate(ATTITUDE, RATE, SPEEDS), driven, n)
+        off = np.linalg.norm(state.angular_velocity - turning)
+        print(f"{4.0 / n:.3f} s: {lie.angle_between(state.attitude, turned):.1e} {off:.1e}")
+    print("# the same with friction, c = 2e-3 N m s, tau = 0.02 N m, of which no wheel stops")
+    friction, driven = (2e-3, 0.02), 0.1 * driven
+    turned, turning, _ = bodies.fly(ATTITUDE, RATE, SPEEDS, driven, 4.0, friction)
+    rub = dict(zip(FRICTION, np.outer(friction, np.ones(4)), strict=True))
+    for n in (20, 40, 80, 160):
+        gyrostat = Gyrostat(bodies.locked(), PYRAMID, bodies.axial, 4.0 / n, **rub)
         state = gyrostat.step(gyrostat.state_from_rate(ATTITUDE, RATE, SPEEDS), driven, n)
         off = np.linalg.norm(state.angular_velocity - turning)
         print(f"{4.0 / n:.3f} s: {lie.angle_between(state.attitude, turned):.1e} {off:.1e}")
