@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -19,6 +20,8 @@ from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.two_wheel.wheels import as_axes, as_axial, require_bus, require_span
 
 _PLANT, _CONTROLLER = "plant", "nmpc_controller"
+_SLACK: Final = 1e-9
+"""Share of a control period by which sums of it may be off."""
 _EXAMPLES: Final = {
     "inertia": "[1.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.8]",
     "wheel_axes": "[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]",
@@ -105,11 +108,14 @@ def _check_start(checked: Checked) -> None:
 def _check_losses(checked: Checked) -> None:
     """Check that wheels are lost within the flight, and that what is said of them has a use."""
     lost, duration = checked.get(_PLANT, "wheel_lost_at"), checked.get(_PLANT, "duration")
+    period = checked.get(_CONTROLLER, "time_step") or checked.get(_PLANT, "time_step")
     latest = max(lost, default=-1.0) if isinstance(lost, list) else -1.0
-    if isinstance(duration, float) and latest >= duration:
-        need = f"times before the end of the flight (plant.duration, {duration:g} s)"
-        remedy = "lose the wheel earlier, or lengthen the flight; negative: it is never lost"
-        checked.complain(_PLANT, "wheel_lost_at", shown(lost), need, remedy)
+    if latest >= 0.0 and isinstance(duration, float) and isinstance(period, float):
+        last = (math.floor(duration / period + _SLACK) - 1) * period
+        if latest > last + _SLACK * period:
+            need = f"times up to the start of the last control step ({last:g} s)"
+            remedy = "lose the wheel earlier, or lengthen the flight; negative: it is never lost"
+            checked.complain(_PLANT, "wheel_lost_at", shown(lost), need, remedy)
     kind = checked.get(_PLANT, "wheel_loss")
     for name, of in (("lost_wheel_friction", "friction"), ("lost_wheel_share", "partial")):
         if checked.is_changed(_PLANT, name) and kind != of:

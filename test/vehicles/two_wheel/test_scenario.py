@@ -72,6 +72,13 @@ def test_a_lost_wheel_is_told():
     assert found["momentum_drift"] == 0.0
 
 
+def test_a_wheel_may_be_lost_at_the_last_control_step():
+    plant = {**LIMITED, "wheel_lost_at": [-1.0, 0.7, -1.0], "duration": 0.8, "time_step": 0.1}
+    scenario = from_sections({"plant": plant, "nmpc_controller": {"feedback_bandwidth": 0.01}})
+    found = summarize(scenario.build().run(), scenario)
+    assert (found["steps"], found["wheel_lost_at"]) == (8, pytest.approx(0.7))
+
+
 def test_a_start_by_euler_angles_is_that_by_a_rotation_vector():
     vector = [0.3, -0.2, 0.9]
     by_vector = from_sections({"plant": {**AFRL, "initial_rotation_vector": vector}}).build_plant()
@@ -181,8 +188,12 @@ REFUSED = {
         {"wheel_lost_at": [1.0]}, {}, r"plant.wheel_lost_at: .*required 3 numbers",
     ),
     "a loss beyond the flight": (
-        {"wheel_lost_at": [-1.0, 2000.0, -1.0], "duration": 1000.0}, {},
-        r"plant.wheel_lost_at: .*required times before the end of the flight .*1000 s\); lose",
+        {"wheel_lost_at": [-1.0, 2000.0, -1.0], "duration": 1000.0}, {"time_step": 10.0},
+        r"plant.wheel_lost_at: .*required times up to the start of the last .*\(990 s\); lose",
+    ),
+    "a loss after the last control step has begun": (
+        {"wheel_lost_at": [-1.0, 990.5, -1.0], "duration": 1000.0}, {"time_step": 10.0},
+        r"plant.wheel_lost_at: .*\(990 s\)",
     ),
     "a share of a wheel that is dead": (
         {"lost_wheel_share": 0.3}, {}, r"plant.lost_wheel_share: .*; required wheel_loss: partial",
