@@ -17,6 +17,7 @@ waypoint some way along the path is within reach, and so every reference is reac
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Any, Final, NamedTuple
 
@@ -38,6 +39,9 @@ _SEARCHES: Final = 4
 """Waypoints that are tried in one step."""
 _FASTER: Final = 1.5
 """First waypoint tried, in units of the way that was found in the step before."""
+_PROGRESS: Final = 0.5
+"""Part of a step by which a plan with a soft end has to shorten the path, else a waypoint is looked
+for."""
 _NEAR: Final = 3e-3
 """Angle [rad] off its reference up to which a plan with a soft end says that a hard one exists."""
 
@@ -97,6 +101,11 @@ class TwoWheelPlanner:
         self._path: Path | None = None  # from the waypoint that the plan ends at
         self._end: Matrix3 | None = None  # of the path
         self._way = self.ocp.horizon * self.ocp.time_step
+
+    @property
+    def path_left(self) -> float:
+        """Time of the path from the end of the plan to the reference [s]; NaN: there is none."""
+        return math.nan if self._path is None else self._path.time
 
     def plan(
         self,
@@ -163,9 +172,20 @@ class TwoWheelPlanner:
         if solution.converged and not solution.soft:
             self._path = Path(reference, np.empty((0, 3)), np.empty(0))
             return solution, Terminal.REFERENCE
-        if self.terminal == "soft":
+        if self.terminal == "soft" or self._advances(state, reference, solution):
             return solution, Terminal.SOFT
         return self._farthest(state, reference, warm), Terminal.WAYPOINT
+
+    def _advances(self, state: _State, reference: Matrix3, solution: WheelSolution) -> bool:
+        """Tell whether a plan with a soft end shortens the path that is left; then take its end."""
+        before = self._ahead(state, reference)
+        if not solution.converged:
+            return False
+        after = path_between(self.ocp, solution.attitudes[-1], reference)
+        if before.time - after.time < _PROGRESS * self.ocp.time_step:
+            return False
+        self._path = after
+        return True
 
     def _to(
         self, state: _State, end: Matrix3, warm: WarmStart | None, **options: bool
@@ -208,12 +228,12 @@ class TwoWheelPlanner:
         return self._to(state, path.start, warm) if best is None else best
 
     def _ahead(self, state: _State, reference: Matrix3) -> Path:
-        """Return the path from the waypoint before to the reference."""
-        if self._path is not None and np.array_equal(self._end, reference):
-            return self._path
+        """Return the fastest path known from the waypoint before to the reference."""
         start = _stopped(self.ocp, state) if self._path is None else self._path.start
-        self._end = reference
-        return path_between(self.ocp, start, reference)
+        again = path_between(self.ocp, start, reference)
+        if self._path is None or not np.array_equal(self._end, reference):
+            self._path, self._end = again, reference
+        return min(self._path, again, key=lambda path: path.time)
 
 
 def _start_of(solution: WheelSolution) -> WarmStart:
