@@ -42,7 +42,9 @@ class _Start:
     """Numbers of the start, as plant and controller have them."""
 
     def __init__(self, checked: Checked) -> None:
-        believed = {name: checked.effective(_CONTROLLER, name) for name in _BELIEVED}
+        believed: dict[str, Any] = {
+            name: checked.effective(_CONTROLLER, name) for name in _BELIEVED
+        }
         self.is_complete = all(believed.values()) and _PLANT in checked.given
         if not self.is_complete:
             return
@@ -61,7 +63,7 @@ _BELIEVED: Final = ("inertia", "wheel_axes", "wheel_inertias")
 
 
 def _are_two(checked: Checked, start: _Start) -> bool:
-    m = start.wheels.shape[1]
+    m = int(start.wheels.shape[1])
     if m != 2:
         section = _CONTROLLER if checked.get(_CONTROLLER, "wheel_axes") else _PLANT
         checked.complain(
@@ -138,21 +140,24 @@ def _check_reach(checked: Checked, start: _Start, ocp: WheelOcp) -> None:
 
 
 def _problem(checked: Checked, start: _Start) -> WheelOcp:
-    """Return the problem of the controller; a refusal of it is that of its parameters."""
+    """Return the problem of the controller."""
     c: dict[str, Any] = {name: checked.get(_CONTROLLER, name) for name in _OF_PROBLEM}
-    limits = (
-        float(checked.effective(_CONTROLLER, name) or 0.0)  # type: ignore[arg-type]
-        for name in ("max_wheel_speed", "max_wheel_acceleration")
-    )
-    period = checked.get(_CONTROLLER, "time_step") or checked.get(_PLANT, "time_step")
-    weights = weights_of(c["prediction_model"], np.array(c["attitude_weights"]))
+    limits: dict[str, Any] = {
+        name: checked.effective(_CONTROLLER, f"max_wheel_{name.removeprefix('max_')}") or 0.0
+        for name in ("max_speed", "max_acceleration")
+    }
+    model = str(checked.get(_CONTROLLER, "prediction_model"))
+    weights = weights_of(model, np.array(checked.get(_CONTROLLER, "attitude_weights")))
+    period: Any = checked.get(_CONTROLLER, "time_step") or checked.get(_PLANT, "time_step")
     return WheelOcp(
-        start.inertia, start.wheels, period, c["horizon"], weights, c["speed_weight"],
-        c["acceleration_weight"], *limits, c["prediction_model"], c["terminal_weight"],
-    )  # type: ignore[arg-type]  # fmt: skip
+        start.inertia,
+        start.wheels,
+        period,
+        attitude_weights=weights,
+        model=model,
+        **limits,
+        **c,
+    )
 
 
-_OF_PROBLEM: Final = (
-    "horizon", "attitude_weights", "speed_weight", "acceleration_weight", "prediction_model",
-    "terminal_weight",
-)  # fmt: skip
+_OF_PROBLEM: Final = ("horizon", "speed_weight", "acceleration_weight", "terminal_weight")

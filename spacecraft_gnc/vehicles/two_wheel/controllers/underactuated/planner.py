@@ -3,16 +3,16 @@
 The plan of a step is the first that is found of
 
 1. the plan that ends at rest at the reference (5);
-2. ``terminal: shaped``: one that ends at rest at a waypoint, the farthest one found on a path of
-   turns that two wheels can make (`shaping`); ``terminal: soft``: one that ends at rest with the
-   attitude error at its end as a term of the cost;
+2. ``terminal: soft``: one that ends at rest, with the attitude error at its end as a term of the
+   cost; ``terminal: shaped``: the same where it shortens the path to the reference by turns that
+   two wheels can make (`shaping`), else one that ends at rest at a waypoint, the farthest one found
+   on that path;
 3. the rest of the plan before;
 4. braking: the wheels come to rest as fast as they can.
 
-With an exact model and no drift, 1 stays possible once it was, and so does 2 with the waypoint of
-the step before: the rest of the plan, and a step at rest, end where the plan ended. From rest at a
-waypoint some way along the path is within reach, and so every reference is reached
-(docs/full_range.md).
+With an exact model and no drift, 1 stays possible once it was, and so does a plan to where the last
+one ended: the rest of it, and a step at rest. The path never gets longer, and from rest at a waypoint
+some way along it is within reach: every reference is reached (docs/full_range.md).
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ class TwoWheelPlanner:
         self._step = 0
         self._plan: WheelSolution | None = None  # made at `_step`, flown since
         self._path: Path | None = None  # from the waypoint that the plan ends at
-        self._end: Matrix3 | None = None  # of the path
+        self._end: Matrix3 = np.full((3, 3), np.nan)  # of the path
         self._way = self.ocp.horizon * self.ocp.time_step
 
     @property
@@ -192,9 +192,10 @@ class TwoWheelPlanner:
     ) -> WheelSolution:
         """Return the plan that ends at rest at an attitude."""
         attitude, wheel_speed, drift = state
-        return self.solver.solve(
+        found: WheelSolution = self.solver.solve(
             attitude, wheel_speed, end, drift=drift, warm_start=warm, **options
         )
+        return found
 
     def _nearest(
         self, state: _State, end: Matrix3, warm: WarmStart | None, *, search: bool = False
