@@ -110,7 +110,13 @@ class IpoptSolver:
         return self.built[soft]
 
     def _run(
-        self, first: Array, speeds: Array, rates: Array, soft: bool, warm: WarmStart | None
+        self,
+        first: Array,
+        speeds: Array,
+        rates: Array,
+        soft: bool,
+        warm: WarmStart | None,
+        firm: bool,  # IPOPT has no price
     ) -> Found:
         """Return what one start leads to."""
         built, ocp = self._get(soft), self.ocp

@@ -48,8 +48,11 @@ class Found(NamedTuple):
         return not solved, float(self.report[2 if solved else 3])
 
 
-Run = Callable[[Array, Array, Array, bool, WarmStart | None], Found]
-"""(first attitude, speeds to start from, drift, soft, warm start) -> what the start leads to."""
+Run = Callable[[Array, Array, Array, bool, WarmStart | None, bool], Found]
+"""(first attitude, speeds to start from, drift, soft, warm start, firm) -> what the start leads to.
+
+``firm``: put the end before the cost, after starts that ended off the reference.
+"""
 
 
 def solve(
@@ -78,19 +81,21 @@ def solve(
     if drift is not None:
         rates = as_finite("drift", drift, (nodes, 3), f"{nodes} rates [rad/s]") @ ocp.frame
 
-    def start(speeds: Array, warm: WarmStart | None = None) -> Found:
-        return run(first, speeds, rates, soft, warm)
+    def start(speeds: Array, warm: WarmStart | None = None, firm: bool = False) -> Found:
+        return run(first, speeds, rates, soft, warm, firm)
 
     tried = []
     if warm_start is not None:
         tried.append(start(within(ocp, warm_start.speeds, speed), warm_start))
     if not tried or (search and tried[0].status != Status.CONVERGED):
-        error = coordinates(ocp, first)
-        tried += [start(speeds) for speeds in loops(ocp, error, speed)]
+        plans = list(loops(ocp, coordinates(ocp, first), speed))
+        tried += [start(speeds) for speeds in plans]
         for attempt in range(restarts if can_stop(ocp, speed) else 0):
             if any(found.status == Status.CONVERGED for found in tried):
                 break
-            tried.append(start(random_plan(ocp, speed, seed, attempt)))
+            again = attempt + 1 < len(plans)  # the loops, once more
+            speeds = plans[attempt + 1] if again else random_plan(ocp, speed, seed, attempt)
+            tried.append(start(speeds, firm=True))
     found = min(tried, key=lambda one: one.rank)
     if not can_stop(ocp, speed):
         found = found._replace(status=Status.INFEASIBLE)

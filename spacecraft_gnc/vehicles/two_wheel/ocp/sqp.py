@@ -29,6 +29,7 @@ from spacecraft_gnc.vehicles.two_wheel.ocp.search import IDENTITY, Found, solve
 from spacecraft_gnc.vehicles.two_wheel.ocp.solution import WarmStart, WheelSolution
 
 _PRICE: Final = 1.5  # of a missed end, over the largest weight of the attitude
+_FIRM_PRICE: Final = 150.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +45,8 @@ class SqpSolver:
     max_iterations : int
         SQP steps of one start.
     restarts : int
-        Random starts that are tried where no other one leads to a plan.
+        Starts that are tried where no other one leads to a plan: the loops once more, at a hundred
+        times the price of a missed end, then random ones.
     seed : int
         Of the random starts.
     chord : bool
@@ -113,7 +115,13 @@ class SqpSolver:
         )  # fmt: skip
 
     def _run(
-        self, first: Array, speeds: Array, rates: Array, soft: bool, warm: WarmStart | None
+        self,
+        first: Array,
+        speeds: Array,
+        rates: Array,
+        soft: bool,
+        warm: WarmStart | None,
+        firm: bool,
     ) -> Found:
         """Return what one start leads to."""
         ocp = self.ocp
@@ -129,9 +137,10 @@ class SqpSolver:
              ocp.terminal_weight if soft else 0.0]
         )  # fmt: skip
         limits = np.array(_limits(ocp))
+        price = _FIRM_PRICE if firm else _PRICE
         status = sqp(
             MODELS.index(ocp.model), ocp.time_step, ocp.rates, rates, nu, a, weights, limits,
-            _PRICE * float(ocp.attitude_weights.max()), self.tolerance, self.max_iterations,
+            price * float(ocp.attitude_weights.max()), self.tolerance, self.max_iterations,
             self.chord, self.arenas[soft], y, z, report,
         )  # fmt: skip
         A, B, M, _, Ct, *_ = self.arenas[soft][2]
