@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from two_wheels import EXACT, MODELS, near, report, skew
+from wheel_problems import EXACT, MODELS, near, report, skew
 from wheeled import FULL_INERTIA
 
 from spacecraft_gnc import lie

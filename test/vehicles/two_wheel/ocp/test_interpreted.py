@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[4]
 PROGRAM = """
 import sys
 import numpy as np
-from two_wheels import MODELS, REST, near, report, skew
+from wheel_problems import MODELS, REST, near, report, skew
 from spacecraft_gnc.vehicles.two_wheel.ocp.sqp import SqpSolver
 found = {}
 for model in MODELS:

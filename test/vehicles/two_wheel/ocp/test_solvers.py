@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 from blocked_imports import run_without
-from two_wheels import EXACT, MODELS, REST, SLEW, YAW, near, report
+from wheel_problems import EXACT, MODELS, REST, SLEW, YAW, near, report
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import GncError
@@ -194,7 +194,7 @@ def test_options_and_drifts_that_make_no_sense_are_refused(solver):
 def test_without_casadi_ipopt_is_refused_with_the_remedy_and_the_sqp_works():
     code = """
 sys.path.insert(0, "test")
-from two_wheels import near, report, REST
+from wheel_problems import near, report, REST
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.vehicles.two_wheel.ocp.ipopt import IpoptSolver
 from spacecraft_gnc.vehicles.two_wheel.ocp.sqp import SqpSolver
