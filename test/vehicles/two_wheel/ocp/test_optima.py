@@ -90,7 +90,7 @@ def test_on_any_two_axes_with_a_drift_they_agree():
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("start", [SLEW, YAW, [0.2, 0.1, -0.1], [-0.3, 0.4, 0.2]])
 def test_the_first_order_conditions_hold_by_another_code(model, start):
-    """Gradients by the complex step of the roll-out of `wheel_problems`; multipliers as they came."""
+    """Gradients by the complex step of another roll-out; multipliers as they came."""
     ocp, attitude = report(model), from_euler_321(np.array(start, dtype=float))
     plan = SqpSolver(ocp).solve(attitude, REST)
     assert plan.converged
