@@ -5,7 +5,7 @@ python benchmarks/two_wheel.py [MODEL ...]
 The report's spacecraft is flown by the SQP on the exact plant from the report's three starts and
 from random ones; each problem on the way is also solved by IPOPT and by the SQP with chord steps,
 from the same warm start (plan and multipliers), each solver in turn first. Times are those of the
-whole call, without the curvature of the certificate, one thread each. A problem whose hard end is
+whole call without the curvature of the certificate, one thread each, the best of three. A problem whose hard end is
 infeasible is flown with a soft one; the soft problem is then compared too.
 """
 
@@ -93,12 +93,7 @@ def fly(start: Vector3, solvers: dict[str, Any], tally: Tally) -> float:
         soft = False
         while True:
             names = names[1:] + names[:1]
-            found = {
-                name: solvers[name].solve(
-                    state.attitude, state.wheel_speed, warm_start=warm, soft=soft
-                )
-                for name in names
-            }
+            found = {name: best(solvers[name], state, warm, soft) for name in names}
             tally.add(found, warm is not None)
             if soft or found["sqp"].converged:
                 break
@@ -110,6 +105,15 @@ def fly(start: Vector3, solvers: dict[str, Any], tally: Tally) -> float:
         elif np.isnan(settled):
             settled = 10.0 * (step + 1)
     return settled
+
+
+def best(solver: Any, state: Any, warm: Any, soft: bool) -> Any:
+    """Solve three times; return what took the least time."""
+    plans = (
+        solver.solve(state.attitude, state.wheel_speed, warm_start=warm, soft=soft)
+        for _ in range(3)
+    )
+    return min(plans, key=lambda plan: plan.solve_time)
 
 
 def at_rest(attitude: Matrix3, rate: Vector3) -> bool:

@@ -99,6 +99,7 @@ def solve(
     found = min(tried, key=lambda one: one.rank)
     if not can_stop(ocp, speed):
         found = found._replace(status=Status.INFEASIBLE)
+    taken = perf_counter() - begun
     least = curvature(found) if found.status == Status.CONVERGED else math.nan
     status = Status.SADDLE if least < 0.0 else found.status
     attitudes = inertial_attitudes(ocp, found.attitudes, target)
@@ -119,7 +120,7 @@ def solve(
         terminal_multipliers=np.zeros(3) if soft else found.multipliers[:3].copy(),
         speed_multipliers=np.vstack([np.zeros(2), found.bounds[:, :2]]),
         acceleration_multipliers=found.bounds[:, 2:].copy(),
-        solve_time=perf_counter() - begun,
+        solve_time=taken,
     )
 
 

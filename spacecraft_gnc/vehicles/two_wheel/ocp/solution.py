@@ -54,7 +54,7 @@ class WheelSolution:
     speed_multipliers, acceleration_multipliers : (N+1, 2), (N, 2) arrays
         Of the bounds: positive at the upper, negative at the lower one.
     solve_time : float
-        Wall time [s].
+        Wall time of the plan, without ``min_curvature`` [s].
     """
 
     ocp: WheelOcp
