@@ -9,7 +9,15 @@ import numpy as np
 
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.chart import Chart, named, over_time
-from spacecraft_gnc.drawing.traces import Curve, Trace, component_line, log_axis, run_line, trace
+from spacecraft_gnc.drawing.traces import (
+    DASHES,
+    Curve,
+    Trace,
+    component_line,
+    log_axis,
+    run_line,
+    trace,
+)
 from spacecraft_gnc.vehicles.two_wheel import flown as series
 from spacecraft_gnc.vehicles.two_wheel.flown import Flown
 
@@ -24,8 +32,8 @@ def watch_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         yield Chart(
             "residual",
             "Residuals of the wheels",
-            "Change of speed over a control step less the one commanded; dotted: the largest that "
-            "a healthy wheel can have.",
+            "Change of speed over a control step less the one commanded"
+            + ("; dotted: the largest that a healthy wheel can have." if len(runs) == 1 else "."),
             over_time(runs, traces, log_axis("residual [rad/s]")),
             scale="yaxis",
         )
@@ -37,10 +45,13 @@ def _residuals(runs: Sequence[Flown], i: int, run: Flown, points: int) -> Iterat
         return
     times = run.times[:-1]
     for j, wheel in enumerate(series.wheel_names(run.trajectory)):
-        line = component_line(j) if len(runs) == 1 else run_line(i)
-        line = {**line, "dash": "solid"}
+        alone = len(runs) == 1
+        line = component_line(j) if alone else run_line(i)
+        line = {**line, "dash": "solid" if alone else DASHES[j % len(DASHES)]}
         size = np.maximum(np.abs(watch.residual[:, j]), _LEAST)
         yield trace(Curve(times, size, named(runs, run, wheel), line), points)
+        if not alone:
+            continue
         faint = {**line, "dash": "dot", "width": 1.0}
         hidden = {"showlegend": False, "hoverinfo": "skip"}
         yield trace(Curve(times, watch.threshold[:, j], "", faint, options=hidden), points)
