@@ -13,7 +13,7 @@ from scipy.optimize import lsq_linear
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.two_wheel.audit.wheel_problem import STEP, WheelProblem
 
-_AT_BOUND: Final = 1e-5
+_AT_BOUND: Final = 1e-3
 """Distance from a bound, over its size, at which it may act."""
 _STRONG: Final = 1e-7
 """Multiplier, over the largest one, with which it does."""
@@ -25,7 +25,8 @@ class FirstOrder(NamedTuple):
     """First-order conditions of a plan."""
 
     residual: float
-    """Largest derivative of the Lagrangian, over 1 + that of the cost."""
+    """Largest derivative of the Lagrangian, or product of a multiplier and the distance from its
+    bound, over 1 + the sizes of what adds up to it."""
     prices: Array
     """Multipliers of the end."""
     acting: Array
@@ -96,7 +97,9 @@ class Planned:
         off = gradient + normals.T @ found
         prices = found[len(end) :]
         strong = prices > _STRONG * max(1.0, float(prices.max(initial=0.0)))
-        size = float(np.abs(off).max()) / (1.0 + float(np.abs(gradient).max()))
+        slack = prices * np.concatenate([room[0, upper], room[1, lower]])
+        size = max(float(np.abs(off).max()), float(slack.max(initial=0.0)))
+        size /= 1.0 + float(np.max(np.abs(gradient) + np.abs(normals.T) @ np.abs(found)))
         return FirstOrder(size, found[: len(end)], np.vstack([end, bounds[strong]]))
 
     def curvature(self, found: FirstOrder) -> float:

@@ -1,4 +1,4 @@
-"""Audit of recorded plans of two wheels, by code that calls no solver."""
+"""Audit of recorded plans, by code that calls no solver."""
 
 from __future__ import annotations
 
@@ -17,12 +17,16 @@ from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.audit.certificates import Planned
+from spacecraft_gnc.vehicles.two_wheel.audit.torque_plans import (
+    TorqueProblem,
+    audit_torque_plans,
+)
 from spacecraft_gnc.vehicles.two_wheel.audit.wheel_problem import WheelProblem
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Terminal
 from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
 from spacecraft_gnc.vehicles.two_wheel.signals import COMMAND, SOLVER_STATUS, STATE
 
-PLANS: Final = "plans of two wheels"
+PLANS: Final = "plans told"
 MODELS: Final = ("simplified", "euler_321", "so3")
 _EVERY: Final = 8
 """Plans of which one has its curvature worked out."""
@@ -31,7 +35,7 @@ _ROUNDING: Final = 1e-12
 _TIGHT: Final = 1e-9
 _SOLVED: Final = 1e-6
 """Distance from the end [rad] that a solved plan may have; solvers stop at 1e-8."""
-_STATIONARY: Final = 1e-5
+_STATIONARY: Final = 2e-7
 """Residual likewise: of multipliers that solvers do not have to take."""
 _CURVATURE: Final = 1e-3
 """Relative error of a curvature: of the differences of gradients."""
@@ -100,7 +104,7 @@ _CHECKS: Final = {
 
 
 def audit_plans(evidence: Evidence, ledger: Ledger, progress: Progress | None) -> None:
-    """Certify every plan of two wheels, and hold the commands against them."""
+    """Certify every plan, and hold the commands of two wheels against theirs."""
     if not evidence.columns[SOLVER_STATUS].steps.size:
         ledger.skip(PLANS, f"{SOLVER_STATUS} was not recorded")
         return
@@ -108,10 +112,10 @@ def audit_plans(evidence: Evidence, ledger: Ledger, progress: Progress | None) -
     told = np.isin(commands, evidence.columns[SOLVER_STATUS].steps)
     ledger.require(PLANS, "one told of each command", commands, str(SOLVER_STATUS), told)
     audit = _PlanAudit(evidence, ledger)
+    torque_problems: dict[bytes, TorqueProblem] = {}
     for block in evidence.solves(progress):
         audit.enter(block)
-    if not audit.count:
-        ledger.check(PLANS, "", "no plan of two wheels was made")
+        audit_torque_plans(evidence, ledger, block, torque_problems)
 
 
 class _PlanAudit:

@@ -10,9 +10,9 @@ The plan of a step is the first that is found of
 3. the rest of the plan before;
 4. braking: the wheels come to rest as fast as they can.
 
-With an exact model and no drift, 1 stays possible once it was, and so does a plan to where the last
-one ended: the rest of it, and a step at rest. The path never gets longer, and from rest at a waypoint
-some way along it is within reach: every reference is reached (docs/full_range.md).
+With an exact model and no drift, 1 stays possible once it was, and so does a plan to where the
+last one ended: the rest of it, and a step at rest. The path never gets longer, and from rest at its
+start some later point of it is within reach: every reference is reached (docs/full_range.md).
 """
 
 from __future__ import annotations
