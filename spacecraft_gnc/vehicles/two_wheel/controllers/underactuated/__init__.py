@@ -74,8 +74,8 @@ class UnderactuatedParameters:
         Kind.STRING,
         "shaped",
         "underactuated: end of a plan where the reference is out of reach; shaped: at rest at a "
-        "waypoint on a path to it; soft: at rest, near it by terminal_weight; hard: nowhere, so "
-        "that it has to be within reach from the start",
+        "place that is nearer on a path of turns to it; soft: at rest, near it by terminal_weight; "
+        "hard: nowhere, so that it has to be within reach from the start",
         choices=("shaped", "soft", "hard"),
         is_neutral=True,
     )
