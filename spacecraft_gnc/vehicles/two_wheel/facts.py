@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Final
 
 import numpy as np
 
+from spacecraft_gnc.parameters.parameter import names_of
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
 from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
@@ -18,7 +19,7 @@ from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 def facts(scenario: Scenario, expected: Outlook) -> Facts:
     """Return what a scenario would fly."""
     del expected
-    p, c, m = scenario.plant, scenario.controller, scenario.plant.wheel_inertias.size
+    p, m = scenario.plant, scenario.plant.wheel_inertias.size
     moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(p.inertia))
     error = math.degrees(
         _angle(_start(scenario), _rotation(scenario.governor.target_rotation_vector))
@@ -39,8 +40,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
     return Facts(
         body=f"principal moments {moments} kg m^2, {m} wheels",
         start=f"{error:.4g} deg from the target, {motion}, wheels up to {speed:g} rad/s",
-        controller=f"bandwidth {c.feedback_bandwidth:g} rad/s, damping ratio "
-        f"{c.feedback_damping_ratio:g}",
+        controller=", ".join(_controller(scenario)),
         rows=(
             ("wheel limits", ", ".join(kept) or "none"),
             ("wheel friction", _friction(p)),
@@ -53,6 +53,20 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
             "max_wheel_acceleration": p.max_wheel_acceleration,
         },
     )
+
+
+def _controller(scenario: Scenario) -> Iterator[str]:
+    """Yield what the method reads of its section, in words."""
+    c = scenario.controller
+    names = names_of(scenario.method.parameters) if scenario.method.parameters else frozenset()
+    if "prediction_model" in names:
+        yield f"two wheels: N = {c.horizon}, model {c.prediction_model}, solver {c.solver}"
+        yield f"end {c.terminal}"
+    if "torque_horizon" in names:
+        yield f"bus: N = {c.torque_horizon}"
+    if "feedback_bandwidth" in names:
+        yield f"bandwidth {c.feedback_bandwidth:g} rad/s"
+        yield f"damping ratio {c.feedback_damping_ratio:g}"
 
 
 def _friction(p: PlantParameters) -> str:

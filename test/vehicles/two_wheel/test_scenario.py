@@ -263,6 +263,21 @@ def test_check_and_simulate_tell_of_wheels(capsys):
     assert "limit 100 rad/s" in capsys.readouterr().out
 
 
+def test_check_tells_of_friction_losses_and_the_method(capsys):
+    lost = "plant.wheel_lost_at=[-1.0, 150.0, -1.0]"
+    rub = "plant.wheel_coulomb_friction=[0.0, 0.002, 0.001]"
+    assert _exit_code(["check", "three_wheel_slew", "--set", lost, "--set", rub]) == 0
+    told = capsys.readouterr().out
+    assert "Coulomb up to 0.002 N m" in told
+    assert "2 at 150 s: braked by 0.0215 N m" in told
+    assert "controller      feedback, bandwidth 0.012 rad/s, damping ratio 1" in told
+    total = "plant.initial_total_momentum=[3.0, 4.0, 0.0]"
+    assert _exit_code(["check", "afrl_wheel_loss", "--set", total]) == 0
+    told = capsys.readouterr().out
+    assert "total momentum 5 N m s" in told
+    assert "two wheels: N = 30, model so3, solver sqp, end shaped" in told
+
+
 def _exit_code(argv):
     try:
         main(argv)
