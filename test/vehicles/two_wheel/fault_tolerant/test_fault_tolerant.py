@@ -95,17 +95,20 @@ def test_a_wheel_that_spins_on_leaves_a_rotation_that_is_told_and_held(wheel):
     assert last.pointing_loss == 0.0
 
 
-def test_with_momentum_two_wheels_come_to_rest_elsewhere_and_say_so():
-    one = scenario(initial_total_momentum=MOMENTUM, duration=3000.0)
+@pytest.mark.parametrize(("size", "loss_deg"), [(0.2, 29.12), (1.0, 29.12)])
+def test_with_momentum_two_wheels_come_to_rest_elsewhere_and_say_so(size, loss_deg):
+    momentum = size * np.array(MOMENTUM)
+    one = scenario(initial_total_momentum=momentum.tolist(), duration=600.0)
     flight, found, told = flown(one)
     last = told[-1]
     assert found["momentum_drift"] == 0.0
+    assert found["max_wheel_speed"] <= 100.0
     assert (last.mode, last.rest) == (Mode.HOLDING, Rest.ELSEWHERE)
     assert not last.remaining_rate.any()
     assert lie.angle_between(flight.final_attitude, last.held_attitude) < math.radians(0.6)
-    assert np.linalg.norm(flight.final_angular_velocity) < 1e-5
-    assert math.degrees(last.pointing_loss) == pytest.approx(29.12, abs=0.01)
-    assert (last.held_attitude @ [0.0, 0.0, 1.0]) @ MOMENTUM == pytest.approx(0.0, abs=1e-6)
+    assert np.linalg.norm(flight.final_angular_velocity) < 1e-4
+    assert math.degrees(last.pointing_loss) == pytest.approx(loss_deg, abs=0.01)
+    assert (last.held_attitude @ [0.0, 0.0, 1.0]) @ momentum == pytest.approx(0.0, abs=1e-6)
 
 
 def test_with_momentum_a_fourth_wheel_is_not_missed():

@@ -14,6 +14,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.loop.protocols import Command, Reference, Source
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.two_wheel.build import believed_gyrostat
+from spacecraft_gnc.vehicles.two_wheel.controllers.fault_tolerant.elsewhere import PlannedRest
 from spacecraft_gnc.vehicles.two_wheel.controllers.fault_tolerant.holding import (
     TwoWheels,
     brake,
@@ -130,6 +131,7 @@ class FaultTolerantController:
         self._used = self._healthy
         self._pilot: ShootingPilot | TwoWheelPilot | None = self._all
         self._wheels: TwoWheels | None = None
+        self._elsewhere: PlannedRest | None = None
         self._dead: dict[int, RunDown] = {}
         self._last: WheelState | None = None
 
@@ -159,12 +161,13 @@ class FaultTolerantController:
         most = self.gyrostat.max_acceleration or math.inf
         idle = np.flatnonzero(~self._used).tolist()
         self._dead = {i: self._dead.get(i) or RunDown(self.period, most) for i in idle}
-        self._pilot = self._wheels = None
+        self._pilot = self._wheels = self._elsewhere = None
         if rank == 3:
             self._pilot = self._pilot_of(healthy)
         elif rank == 2:
             self._pilot = self._two_wheel_pilot_of(self._used)
             self._wheels = TwoWheels(self.gyrostat, self._used)
+            self._elsewhere = PlannedRest(self._wheels, self._pilot)
 
     def _follow(self, state: WheelState) -> None:
         """Take in what the wheels that do not answer did over the last step."""
@@ -186,16 +189,21 @@ class FaultTolerantController:
             mode = Mode.REALLOCATED if self._dead else Mode.NOMINAL
             command = pilot.command(state, target, self._own(expected, reading))
             return command, mode, Held(Rest.AT_TARGET, target, np.zeros(3), 0.0)
-        if self._wheels is None or pilot is None:
+        if self._wheels is None or self._elsewhere is None or pilot is None:
             acceleration, held = brake(self.gyrostat, self._used, state, target)
             return Command(acceleration), Mode.HOLDING, held
         held = self._holdable(state, expected, target)
         if held.rest is Rest.AT_TARGET and self._is_free(state):
             drift = self._drift(expected)
             return pilot.command(state, target, drift), Mode.UNDERACTUATED, held
-        pilot.reset()
-        law = keep_turning if held.rest is Rest.NOWHERE else go_to_rest
-        return Command(law(self._wheels, state, held, expected.speeds[1])), Mode.HOLDING, held
+        if held.rest is Rest.NOWHERE:
+            u = keep_turning(self._wheels, state, held, expected.speeds[1])
+            return Command(u), Mode.HOLDING, held
+        planned = self._elsewhere.accelerations(state, held, expected.speeds)
+        if planned is None:
+            pilot.reset()
+            planned = go_to_rest(self._wheels, state, held, expected.speeds[1])
+        return Command(planned), Mode.HOLDING, held
 
     def _own(self, expected: _Expected, reading: Reading) -> Array | None:
         """Return the accelerations (m,) that the wheels have beside those commanded; None: none.
