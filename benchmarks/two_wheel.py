@@ -5,8 +5,8 @@ python benchmarks/two_wheel.py [MODEL ...]
 The report's spacecraft is flown by the SQP on the exact plant from the report's three starts and
 from random ones; each problem on the way is also solved by IPOPT and by the SQP with chord steps,
 from the same warm start (plan and multipliers), each solver in turn first. Times are those of the
-whole call without the curvature of the certificate, one thread each, the best of three. A problem whose hard end is
-infeasible is flown with a soft one; the soft problem is then compared too.
+whole call without the curvature of the certificate, one thread each, the best of three. A problem
+whose hard end is infeasible is flown with a soft one; the soft problem is then compared too.
 """
 
 from __future__ import annotations

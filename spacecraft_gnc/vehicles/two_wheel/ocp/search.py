@@ -86,8 +86,11 @@ def solve(
 
     tried = []
     if warm_start is not None:
-        tried.append(start(within(ocp, warm_start.speeds, speed), warm_start))
-    if not tried or (search and tried[0].status != Status.CONVERGED):
+        for firm in (False, True) if search else (False,):
+            tried.append(start(within(ocp, warm_start.speeds, speed), warm_start, firm))
+            if tried[-1].status == Status.CONVERGED:
+                break
+    if not tried or (search and tried[-1].status != Status.CONVERGED):
         plans = list(loops(ocp, coordinates(ocp, first), speed))
         tried += [start(speeds) for speeds in plans]
         for attempt in range(restarts if can_stop(ocp, speed) else 0):
