@@ -152,23 +152,16 @@ class IpoptSolver:
             np.append(terminal, np.zeros(2)),
             np.column_stack([prices, lam[-2 * n :].reshape(n, 2)]),
             report,
-            _second_order(ipopt, out, given, rows),
+            (ipopt, out["x"], given, out["lam_g"], rows),
         )
-
-
-def _second_order(ipopt: Any, out: dict[str, Any], given: Array, rows: int) -> tuple[Array, ...]:
-    """Return the Hessian of the Lagrangian and the Jacobian of the conditions at a solution."""
-    hessian = ipopt.get_function("nlp_hess_l")(out["x"], given, 1.0, out["lam_g"]).full()
-    return (
-        np.triu(hessian) + np.triu(hessian, 1).T,
-        ipopt.get_function("nlp_jac_g")(out["x"], given)[1].full(),
-        np.array(rows),
-    )
 
 
 def _curvature(found: Found) -> float:
     """Return the least curvature of a plan by the accelerations, from CasADi's derivatives."""
-    hessian, jacobian, rows = found.matrices
+    ipopt, x, given, lam, rows = found.matrices
+    upper = ipopt.get_function("nlp_hess_l")(x, given, 1.0, lam).full()
+    hessian = upper + np.triu(upper, 1).T
+    jacobian = ipopt.get_function("nlp_jac_g")(x, given)[1].full()
     n, na = found.speeds.shape[0] - 1, found.attitudes.shape[1]
     accelerations = jacobian[-2 * n :].reshape(2 * n, n, 2 + na)[:, :, :2].reshape(2 * n, 2 * n)
     active = found.active
@@ -180,7 +173,7 @@ def _curvature(found: Found) -> float:
     motion[:, 2:] = -turned.reshape(n, na, 2 * n)
     flat = motion.reshape(-1, 2 * n)
     conditions = [
-        jacobian[n * na : n * na + int(rows)] @ flat,
+        jacobian[n * na : n * na + rows] @ flat,
         motion[-1, :2],
         motion[:-1, :2][active[:-1, :2]],
         np.eye(2 * n)[active[:, 2:].ravel()],

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from time import perf_counter
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +32,8 @@ class Found(NamedTuple):
     multipliers: Array
     bounds: Array
     report: Array
-    matrices: tuple[Array, ...]
-    """Derivatives at the end, of which the solver makes the curvature."""
+    matrices: tuple[Any, ...]
+    """What the solver makes the curvature of."""
 
     @property
     def active(self) -> NDArray[np.bool_]:
