@@ -13,6 +13,7 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.loop.protocols import Reference, Source
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Terminal
+from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import planner as planning
 from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated.planner import TwoWheelPlanner
 from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated.shaping import path_between
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import WheelOcp
@@ -76,7 +77,9 @@ def test_a_missed_step_is_bridged_by_the_plan_before():
         ("soft", [0.0, 0.0, 1.0], Terminal.SOFT),
     ],
 )
-def test_a_target_out_of_reach_is_approached(terminal, target, expected):
+def test_a_target_out_of_reach_is_approached(terminal, target, expected, monkeypatch):
+    if expected is Terminal.WAYPOINT:  # no soft end advances enough
+        monkeypatch.setattr(planning, "_PROGRESS", 1e9)
     planner, far = TwoWheelPlanner(OCP, terminal=terminal), lie.exp(np.array(target))
     plan = planner.plan(0, far, STILL, np.eye(3))
     assert (plan.source, plan.terminal) == (Source.OPTIMAL, expected)
