@@ -74,7 +74,7 @@ class TorqueProblem:
             c.max_wheel_acceleration,
         )  # fmt: skip
         allocation = np.linalg.pinv((believed.wheel_axes * believed.wheel_inertias)[:, healthy])
-        ocp = torque_problem(believed, allocation, c.feedback_bandwidth, n)
+        ocp = torque_problem(believed, np.asarray(allocation), c.feedback_bandwidth, n)
         w = {name: np.asarray(getattr(ocp.weights, name)) for name in ocp.weights.__slots__}
         return cls(
             believed.inertia,
