@@ -9,10 +9,10 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc.parameters.parameter import names_of
-from spacecraft_gnc.types import Array, Matrix3
-from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
+from spacecraft_gnc.types import Matrix3
 from spacecraft_gnc.vehicles.two_wheel.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
+from spacecraft_gnc.vehicles.two_wheel.start import attitude_at, rotation
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 
 
@@ -22,7 +22,10 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
     p, m = scenario.plant, scenario.plant.wheel_inertias.size
     moments = " ".join(f"{value:g}" for value in np.linalg.eigvalsh(p.inertia))
     error = math.degrees(
-        _angle(_start(scenario), _rotation(scenario.governor.target_rotation_vector))
+        _angle(
+            attitude_at(p.initial_euler_321, p.initial_rotation_vector),
+            rotation(scenario.governor.target_rotation_vector),
+        )
     )
     given = np.isfinite(p.initial_total_momentum).all()
     motion = (
@@ -83,22 +86,6 @@ _LOSS: Final[Mapping[str, Callable[[PlantParameters], str]]] = {
     "spinning": lambda _: "spinning on",
     "partial": lambda p: f"answering {p.lost_wheel_share:g} of each command",
 }
-
-
-def _start(scenario: Scenario) -> Matrix3:
-    angles = scenario.plant.initial_euler_321
-    if np.isfinite(angles).all():
-        return from_euler_321(angles)
-    return _rotation(scenario.plant.initial_rotation_vector)
-
-
-def _rotation(vector: Array) -> Matrix3:
-    """Return the rotation (3, 3) of a rotation vector, by Rodrigues' formula."""
-    angle = float(np.linalg.norm(vector))
-    x, y, z = vector
-    hat = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    half = np.sinc(0.5 * angle / math.pi)
-    return np.asarray(np.eye(3) + np.sinc(angle / math.pi) * hat + 0.5 * half**2 * hat @ hat)
 
 
 def _angle(one: Matrix3, other: Matrix3) -> float:

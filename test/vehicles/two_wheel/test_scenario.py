@@ -126,6 +126,22 @@ def test_defaults_follow_from_the_limits():
     assert scenario.governor.slew_rate_tolerance == pytest.approx(tolerance, rel=1e-11)
 
 
+@pytest.mark.parametrize(
+    "attitude",
+    [{"initial_euler_321": [0.5, 0.3, -0.4]}, {"initial_rotation_vector": [0.3, -0.2, 2.9]}],
+)
+def test_a_start_by_total_momentum_has_the_time_step_of_its_rate(attitude):
+    wheels = {**AFRL, **attitude, "initial_wheel_speed": [20.0, -30.0, 90.0]}
+    by_rate = from_sections({"plant": {**wheels, "initial_angular_velocity": [0.3, -0.1, 0.6]}})
+    first = by_rate.build_plant().state
+    total = {"initial_total_momentum": first.total_momentum.tolist()}
+    by_momentum = from_sections({"plant": {**wheels, **total}})
+    assert by_momentum.plant.time_step == pytest.approx(by_rate.plant.time_step, rel=1e-8)
+    assert by_momentum.plant.time_step < from_sections({"plant": wheels}).plant.time_step
+    again = by_momentum.build_plant().state.angular_velocity
+    assert again == pytest.approx(first.angular_velocity, rel=1e-12)
+
+
 @pytest.mark.parametrize("angles", [[0.5, 0.3, -0.4], [3.0, 0.0, 0.0], [0.1, 1.2, 2.0]])
 @pytest.mark.parametrize("scale", [1e-3, 1.0])
 def test_the_defaults_settle_without_touching_a_limit(angles, scale):

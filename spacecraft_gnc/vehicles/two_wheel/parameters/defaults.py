@@ -21,6 +21,7 @@ import numpy as np
 from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.formulas import Formula, Missing
 from spacecraft_gnc.parameters.parameter import LONGEST, SHORTEST, Value
+from spacecraft_gnc.vehicles.two_wheel.start import attitude_at
 
 _PLANT, _CONTROLLER, _GOVERNOR = "plant", "nmpc_controller", "reference_governor"
 SETTLING: Final = 8.0
@@ -36,6 +37,14 @@ FREE_SPEED: Final = 10.0
 LARGEST_TURN: Final = 0.2
 """[rad] in an integrator step, at the initial rate."""
 _NANOSECOND: Final = 1e-9
+_START: Final = (
+    "initial_euler_321",
+    "initial_rotation_vector",
+    "inertia",
+    "wheel_axes",
+    "wheel_inertias",
+    "initial_wheel_speed",
+)
 
 
 def formulas(checked: Checked) -> Iterator[Formula]:
@@ -83,11 +92,26 @@ def _time_step(checked: Checked) -> float:
     if own > 0.0:
         return own
     step = _number(checked, _CONTROLLER, "settling_time") / STEPS
-    rate = float(np.linalg.norm(_list(checked, _PLANT, "initial_angular_velocity")))
+    rate = _initial_rate(checked)
     if rate > 0.0:
         step = min(step, max(LARGEST_TURN / rate, 1e-3 * step))
     whole = math.floor(step / _NANOSECOND * (1.0 + 1e-12)) * _NANOSECOND
     return _within(round(whole, 9), SHORTEST, LONGEST)
+
+
+def _initial_rate(checked: Checked) -> float:
+    """Return the size of the initial rate, from the total momentum where that is given [rad/s]."""
+    total = _list(checked, _PLANT, "initial_total_momentum")
+    if not total:
+        return float(np.linalg.norm(_list(checked, _PLANT, "initial_angular_velocity")))
+    angles, vector, inertia, axes, axial, speed = (_list(checked, _PLANT, x) for x in _START)
+    columns = np.reshape(axes, (3, -1))
+    m = columns.shape[1]
+    if not inertia or not m or len(axial) != m or len(speed) not in (0, m):
+        raise Missing  # refused by the checks
+    wheels = columns / np.linalg.norm(columns, axis=0) * axial
+    body = attitude_at(angles, vector).T @ total - wheels @ (speed or np.zeros(m))
+    return float(np.linalg.norm(np.linalg.solve(np.reshape(inertia, (3, 3)), body)))
 
 
 def _duration(checked: Checked) -> float:
