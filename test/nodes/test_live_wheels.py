@@ -73,7 +73,7 @@ def test_the_diagnosis_of_a_graph_is_shown() -> None:
         "flown": "holding", "excluded": "wheel 3", "residual 3": "0.5 rad/s, bound 0.1",
         "answer 3": "25 % of its command", "rest": "impossible",
         "keeps turning at": "2 mrad/s", "about body axis": "0, 0, 1",
-        "held off the target by": "5.73°",
+        "axis off the target by": "5.73°",
     }  # fmt: skip
 
 

@@ -167,5 +167,7 @@ def _held(values: Mapping[str, Any]) -> Iterator[Readout]:
     if size > 0.0:
         yield Readout("keeps turning at", magnitude(rate, "rad/s"), "warn")
         yield Readout("about body axis", listed(rate / size))
-    if loss is not None and loss > 0.0:
-        yield Readout("held off the target by", number(math.degrees(loss), 3, "°"), "warn")
+    if loss is not None and (loss > 0.0 or size > 0.0):
+        what = "axis" if size > 0.0 else "held"  # of what turns, the axis is all that is pointed
+        mood = "warn" if loss > 0.0 else ""
+        yield Readout(f"{what} off the target by", number(math.degrees(loss), 3, "°"), mood)

@@ -66,6 +66,11 @@ def _modes(run: Flown) -> str:
     return ", ".join(f"{name} {count}" for name, count in run.metrics["modes"].items())
 
 
+def _axis(run: Flown) -> str:
+    axis = run.metrics["remaining_axis"]
+    return NOTHING if axis is None else ", ".join(f"{part:.3g}" for part in axis)
+
+
 def _unnoticed(run: Flown) -> str:
     return NOTHING if run.metrics["wheel_lost_at"] is None else "never"
 
@@ -86,7 +91,8 @@ ROWS: Final = (
     Row("Flown", text=_modes),
     Row("Rest", text=lambda run: run.metrics["rest"] or "unknown"),
     Row("Rotation that remains", "remaining_rate", "rad/s"),
-    Row("Held off the target by", "pointing_loss_deg", "deg"),
+    Row("Axis of that rotation, body frame", text=_axis),
+    Row("Attitude held (axis, where it turns) off the target", "pointing_loss_deg", "deg"),
     Row("Deadlines missed", "missed_deadlines"),
     Row("Steps on a fallback command", "fallback_steps"),
     Row("Incomplete steps", "missing_steps"),

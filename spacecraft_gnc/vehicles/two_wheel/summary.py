@@ -28,8 +28,9 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         of `metrics.summarize`, ``max_wheel_speed_limit`` and ``max_wheel_acceleration_limit`` (None
         where there is none, or no scenario), ``momentum_drift`` (largest change of the total
         momentum [N m s]), ``sources`` (steps by source), ``modes`` (steps by mode),
-        ``rest`` (where it can come to rest, at the end: `RESTS`), ``remaining_rate`` [rad/s] and
-        ``pointing_loss_deg`` of what is held then,
+        ``rest`` (where it can come to rest, at the end: `RESTS`), ``remaining_rate`` [rad/s],
+        ``remaining_axis`` (3 numbers, body frame; None: it comes to rest) and
+        ``pointing_loss_deg`` of what is held then (of the axis, where it keeps turning),
         ``fallback_steps``,
         ``limits_exceeded`` (none: a wheel saturates), ``solve_time_median``, ``_p99``, ``_max`` [s]
         (None where nothing is solved).
@@ -93,9 +94,7 @@ def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
     if any(name != mode_name(Mode.NOMINAL) for name in m["modes"]):
         rows.append(("flown", ", ".join(f"{name} {n}" for name, n in m["modes"].items())))
     if m["rest"] not in (None, RESTS[Rest.AT_TARGET]):
-        turns, loss = m["remaining_rate"], m["pointing_loss_deg"]
-        held = f", turning at {turns:.3g} rad/s" if turns else ""
-        rows.append(("rest", f"{m['rest']}; held {loss:.4g} deg off the target{held}"))
+        rows.append(("rest", f"{m['rest']}; {_kept(m)}"))
     noticed = m["wheel_loss_detected_at"]
     told = "not noticed" if noticed is None else f"noticed at {noticed:g} s"
     if lost is not None:
@@ -103,6 +102,16 @@ def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
     elif noticed is not None:
         rows.append(("false alarm", told))
     return rows
+
+
+def _kept(m: dict[str, Any]) -> str:
+    """Return what is held where rest at the target is impossible."""
+    loss = f"held {m['pointing_loss_deg']:.4g} deg off"
+    if m["remaining_axis"] is None:
+        return f"{loss} the target"
+    axis = " ".join(f"{part:.3g}" for part in m["remaining_axis"])
+    turns = f"turns at {m['remaining_rate']:.3g} rad/s about body axis ({axis})"
+    return f"{turns}, {loss} where the target has it"
 
 
 def _beside_limit(m: dict[str, Any], name: str, unit: str) -> str:
@@ -126,10 +135,12 @@ RESTS: Final = {
 def _held(flight: WheelFlight) -> dict[str, Any]:
     """Return where it can come to rest at the end, and what is held; None: not known."""
     rest, rate = int(flight.rest[-1]), float(np.linalg.norm(flight.remaining_rate[-1]))
+    turns = math.isfinite(rate) and rate > 0.0
     loss = math.degrees(flight.pointing_loss[-1])
     return {
         "rest": RESTS[Rest(rest)] if 0 <= rest < len(Rest) else None,
         "remaining_rate": rate if math.isfinite(rate) else None,
+        "remaining_axis": (flight.remaining_rate[-1] / rate).tolist() if turns else None,
         "pointing_loss_deg": loss if math.isfinite(loss) else None,
     }
 

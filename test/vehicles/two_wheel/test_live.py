@@ -74,8 +74,11 @@ def test_what_is_held_is_told():
         "flown": "holding", "excluded": "wheel 2", "residual 2": "0.5 rad/s, bound 0.1",
         "answer 2": "25 % of its command", "rest": "impossible",
         "keeps turning at": "0.5 mrad/s", "about body axis": "0, 0.6, 0.8",
-        "held off the target by": "12°",
+        "axis off the target by": "12°",
     }  # fmt: skip
+    at_rest = {line.label for line in _diagnosis({**values, "remaining_rate": np.zeros(3)})}
+    assert "held off the target by" in at_rest
+    assert not {"keeps turning at", "axis off the target by"} & at_rest
 
 
 def test_a_wheel_that_does_not_answer_stands_out(tmp_path):

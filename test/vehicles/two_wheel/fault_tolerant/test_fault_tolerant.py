@@ -13,6 +13,7 @@ from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.loop.protocols import Reference, Source
 from spacecraft_gnc.scenario import InvalidScenario, from_sections
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest, diagnosis_of, solve_of
+from spacecraft_gnc.vehicles.two_wheel.summary import lines
 
 MOMENTUM = [0.5, 0.2, -0.3]  # [N m s]
 
@@ -93,6 +94,12 @@ def test_a_wheel_that_spins_on_leaves_a_rotation_that_is_told_and_held(wheel):
     pointing = (flight.final_attitude - last.held_attitude)[:, wheel]
     assert np.linalg.norm(pointing) < 1e-5
     assert last.pointing_loss == 0.0
+    axis = np.sign(expected[wheel]) * np.eye(3)[wheel]
+    assert found["remaining_axis"] == pytest.approx(axis, abs=1e-12)
+    assert found["remaining_rate"] == pytest.approx(abs(expected[wheel]), rel=1e-12)
+    said = dict(lines(found))["rest"]
+    assert said.startswith("impossible; turns at ")
+    assert said.endswith("held 0 deg off where the target has it")
 
 
 @pytest.mark.parametrize(("size", "loss_deg"), [(0.2, 29.12), (1.0, 29.12)])
