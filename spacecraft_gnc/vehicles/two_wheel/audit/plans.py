@@ -21,7 +21,7 @@ from spacecraft_gnc.vehicles.two_wheel.audit.torque_plans import (
     TorqueProblem,
     audit_torque_plans,
 )
-from spacecraft_gnc.vehicles.two_wheel.audit.wheel_problem import WheelProblem
+from spacecraft_gnc.vehicles.two_wheel.audit.wheel_problem import WheelProblem, integrated_turns
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Terminal
 from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
 from spacecraft_gnc.vehicles.two_wheel.signals import COMMAND, SOLVER_STATUS, STATE
@@ -30,7 +30,6 @@ PLANS: Final = "plans told"
 MODELS: Final = ("simplified", "euler_321", "so3")
 _EVERY: Final = 8
 """Plans of which one has its curvature worked out."""
-_SUBSTEPS: Final = 16  # of Runge and Kutta in a control step
 _ROUNDING: Final = 1e-12
 _TIGHT: Final = 1e-9
 _SOLVED: Final = 1e-6
@@ -272,33 +271,13 @@ def _flow_defect(problem: WheelProblem, row: _Row, errors: Array) -> float:
         return _largest(row.end @ turn @ own @ turn.T - row.attitudes) / 1e-10
     rates = row.speeds @ (turn @ problem.rates).T + row.drift
     before, after, period = rates[:-1], rates[1:], problem.period
-    own = _integrated(before, after, period)
+    own = integrated_turns(before, after, period)
     recorded = row.attitudes[:-1].transpose(0, 2, 1) @ row.attitudes[1:]
     size = np.linalg.norm(rates, axis=1)
     turned = period * np.maximum(size[:-1], size[1:])
     turned += np.sqrt(period * np.linalg.norm(after - before, axis=1))
     limits = 3e-3 * turned**5 + _ROUNDING
     return float((np.abs(recorded - own).max(axis=(1, 2)) / limits).max())
-
-
-def _integrated(before: Array, after: Array, period: float) -> Array:
-    """Return the turns (n, 3, 3) of a period with rates (n, 3) that change linearly."""
-    turned = np.broadcast_to(np.eye(3), (len(before), 3, 3))
-    h = 1.0 / _SUBSTEPS
-
-    def slope(matrix: Array, s: float) -> Array:
-        rate = period * (before + s * (after - before))
-        rows = np.broadcast_to(rate[:, None, :], matrix.shape)
-        return np.asarray(np.cross(matrix, rows))
-
-    for i in range(_SUBSTEPS):
-        s = i * h
-        k_1 = slope(turned, s)
-        k_2 = slope(turned + 0.5 * h * k_1, s + 0.5 * h)
-        k_3 = slope(turned + 0.5 * h * k_2, s + 0.5 * h)
-        k_4 = slope(turned + h * k_3, s + h)
-        turned = turned + h / 6.0 * (k_1 + 2.0 * k_2 + 2.0 * k_3 + k_4)
-    return turned
 
 
 def _largest(values: Array) -> float:

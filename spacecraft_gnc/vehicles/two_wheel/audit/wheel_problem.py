@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 STEP: Final = 1e-20
 """Imaginary step."""
+_SUBSTEPS: Final = 16  # of Runge and Kutta in a control step
 _SERIES: Final = 1e-3  # squared angle below which sin(x)/x is summed as a series
 _NODES, _SHARES = (0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0]) + 0.5, np.array([5, 8, 5]) / 18)
 
@@ -152,3 +153,23 @@ def _small_angles(first: Array, w: Any, period: float) -> Any:
     )  # fmt: skip
     angles[:, 1:, 2] = first[2] + np.cumsum(area, axis=1)
     return angles
+
+
+def integrated_turns(before: Array, after: Array, period: float) -> Array:
+    """Return the turns (n, 3, 3) of a period with rates (n, 3) that change linearly."""
+    turned = np.broadcast_to(np.eye(3), (len(before), 3, 3))
+    h = 1.0 / _SUBSTEPS
+
+    def slope(matrix: Array, s: float) -> Array:
+        rate = period * (before + s * (after - before))
+        rows = np.broadcast_to(rate[:, None, :], matrix.shape)
+        return np.asarray(np.cross(matrix, rows))
+
+    for i in range(_SUBSTEPS):
+        s = i * h
+        k_1 = slope(turned, s)
+        k_2 = slope(turned + 0.5 * h * k_1, s + 0.5 * h)
+        k_3 = slope(turned + 0.5 * h * k_2, s + 0.5 * h)
+        k_4 = slope(turned + h * k_3, s + h)
+        turned = turned + h / 6.0 * (k_1 + 2.0 * k_2 + 2.0 * k_3 + k_4)
+    return turned
