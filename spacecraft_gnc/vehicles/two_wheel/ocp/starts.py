@@ -10,6 +10,7 @@ import numpy as np
 
 from spacecraft_gnc.plant.random_numbers import generator
 from spacecraft_gnc.types import Array, Vector3
+from spacecraft_gnc.vehicles.two_wheel.ocp._starts_kernels import keep_limits
 from spacecraft_gnc.vehicles.two_wheel.ocp.problem import WheelOcp
 
 _STREAM: Final = "two_wheel.restart"
@@ -30,12 +31,7 @@ def within(ocp: WheelOcp, wanted: Array, wheel_speed: Array) -> Array:
     change = ocp.time_step * (ocp.max_acceleration or math.inf)
     speeds = np.empty((ocp.horizon + 1, 2))
     speeds[0] = wheel_speed
-    for k in range(ocp.horizon):
-        left = ocp.horizon - k - 1
-        most = min(top, left * change) if left else 0.0
-        near = np.clip(wanted[k + 1], speeds[k] - change, speeds[k] + change)
-        stop = np.clip(near, -most, most)
-        speeds[k + 1] = np.clip(stop, speeds[k] - change, speeds[k] + change)
+    keep_limits(np.asarray(wanted, dtype=np.float64), top, change, speeds)
     return speeds
 
 
