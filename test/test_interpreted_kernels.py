@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
+from both_ways import compiled_and_interpreted
 
-ROOT = Path(__file__).parents[1]
 PROGRAM = """
 import math, sys
 import numpy as np
@@ -128,19 +123,8 @@ np.savez(
 """
 
 
-def run(target, **environment):
-    subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(target)],
-        check=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
-    )
-    with np.load(target) as stored:
-        return dict(stored)
-
-
 def test_compiled_and_interpreted_kernels_agree(tmp_path):
-    compiled = run(tmp_path / "compiled.npz")
-    interpreted = run(tmp_path / "interpreted.npz", NUMBA_DISABLE_JIT="1")
+    compiled, interpreted = compiled_and_interpreted(PROGRAM, tmp_path)
     assert compiled.keys() == interpreted.keys()
     for name, value in compiled.items():
         size = max(1.0, float(np.abs(value).max()))

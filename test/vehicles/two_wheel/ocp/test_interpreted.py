@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from pathlib import Path
-
 import numpy as np
+from both_ways import compiled_and_interpreted
 
-ROOT = Path(__file__).parents[4]
 PROGRAM = """
 import sys
 import numpy as np
@@ -31,20 +26,8 @@ np.savez(sys.argv[1], **found, chord=chord.accelerations, far=far.terminal_viola
 """
 
 
-def run(target, **environment):
-    path = os.pathsep.join([str(ROOT), str(ROOT / "test")])
-    subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(target)],
-        check=True,
-        env={**os.environ, "PYTHONPATH": path, **environment},
-    )
-    with np.load(target) as stored:
-        return dict(stored)
-
-
 def test_compiled_and_interpreted_kernels_agree(tmp_path):
-    compiled = run(tmp_path / "compiled.npz")
-    interpreted = run(tmp_path / "interpreted.npz", NUMBA_DISABLE_JIT="1")
+    compiled, interpreted = compiled_and_interpreted(PROGRAM, tmp_path)
     assert len(compiled) == 14
     for name, value in compiled.items():
         size = max(1.0, float(np.abs(value).max()))
