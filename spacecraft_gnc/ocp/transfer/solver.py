@@ -1,0 +1,325 @@
+"""Multiple shooting with momentum and torque bounds, on the structure of the problem.
+
+Each start first follows a homotopy to the bounds (an interior-point method on the conditions
+(5.9)), which says where they act; Algorithm 2 then solves the conditions with these sets, changing
+them where a multiplier or a bound says so. Both solve the same linear system, by one Riccati
+recursion along the stages. docs/planner.md says what is the paper's and what was added.
+
+Source: Phogat et al., Algorithm 2.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.arguments import as_count, require_kind, require_positive
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.ocp.transfer._active_kernels import active_set, is_minimum
+from spacecraft_gnc.ocp.transfer._interior_kernels import interior
+from spacecraft_gnc.ocp.transfer.certificate import (
+    is_too_short,
+    shortest_possible_steps,
+    time_bound_text,
+)
+from spacecraft_gnc.ocp.transfer.conditions import evaluate, units
+from spacecraft_gnc.ocp.transfer.problem import AttitudeTransfer
+from spacecraft_gnc.ocp.transfer.solution import TransferSolution, Tried
+from spacecraft_gnc.ocp.transfer.starts import NAMES, Start, make_start
+from spacecraft_gnc.status import Status
+from spacecraft_gnc.types import Array
+
+_BISECTIONS: Final = 12
+_LEAST_CURVATURE: Final = 1e-9
+_POLISH: Final = 40  # Newton steps of Algorithm 2
+
+
+class Found(NamedTuple):
+    """What one start led to."""
+
+    status: Status
+    plan: tuple[Array, Array, Array, Array]
+    multipliers: tuple[Array, Array]
+    sets: tuple[NDArray[np.int64], NDArray[np.int64]]
+    iterations: int
+    error: float
+    """Largest residual relative to the units."""
+
+    @property
+    def cost(self) -> float:
+        """Sum of |u|^2 / 2."""
+        return 0.5 * float(np.sum(self.plan[0] ** 2))
+
+    @property
+    def rank(self) -> tuple[int, float]:
+        """Order of preference, the best first."""
+        if self.status == Status.CONVERGED:
+            return 0, self.cost
+        return (1, self.cost) if self.status == Status.SADDLE else (2, self.error)
+
+
+@dataclass(frozen=True, slots=True)
+class TransferSolver:
+    """Solve an `AttitudeTransfer`.
+
+    Attributes
+    ----------
+    starts : int
+        How many of the deterministic starts `starts.NAMES` are tried, at least; the rest are where
+        these lead to no minimum.
+    homotopy : bool
+        Whether the homotopy precedes Algorithm 2; without it the method is the paper's.
+    tolerance : float
+        Largest residual of (5.6)-(5.8), relative to the units of torque and momentum.
+    max_iterations : int
+        Newton steps of the homotopy.
+
+    Raises
+    ------
+    ParameterError
+        If an argument is refused.
+    """
+
+    starts: int = 3
+    homotopy: bool = True
+    tolerance: float = 1e-8
+    max_iterations: int = 150
+
+    def __post_init__(self) -> None:
+        as_count("starts", self.starts, most=len(NAMES))
+        require_positive("tolerance", self.tolerance)
+        as_count("max_iterations", self.max_iterations)
+
+    def solve(
+        self, problem: AttitudeTransfer, start: tuple[Array, Array] | None = None
+    ) -> TransferSolution:
+        """Find the plan of the least torque.
+
+        Parameters
+        ----------
+        problem : AttitudeTransfer
+        start : pair of (N, 3) and (N+1, 3) arrays, optional
+            Torque [N m] and momentum [N m s] to start from, in place of the starts of its own.
+        """
+        require_kind("problem", problem, AttitudeTransfer)
+        begun = perf_counter()
+        arena = _arena(problem.n_steps)
+        tried: list[tuple[str, Found]] = []
+        if start is not None:
+            tried.append(("given", self._run(problem, Start("given", *start), arena)))
+        elif is_too_short(problem, problem.n_steps):
+            name = NAMES[0]
+            tried.append((name, _not_run(problem, make_start(problem, name))))
+        else:
+            for i, name in enumerate(NAMES):
+                if i >= self.starts and any(one.status == Status.CONVERGED for _, one in tried):
+                    break
+                tried.append((name, self._run(problem, make_start(problem, name), arena)))
+        found = min((one for _, one in tried), key=lambda one: one.rank)
+        summary = tuple(Tried(name, one.status, one.cost, one.iterations) for name, one in tried)
+        return self._conclude(problem, found, summary, arena, begun)
+
+    def _run(self, problem: AttitudeTransfer, start: Start, arena: Any) -> Found:
+        """Return what one start leads to."""
+        body, h, N = problem.body.packed, problem.body.time_step, problem.n_steps
+        first = np.ascontiguousarray(problem.goal.T @ problem.start).ravel()
+        scales, told = _scales(problem), np.zeros(2)
+        u, Pi = start.torque.copy(), start.momentum.copy()
+        plan = (u, Pi, -u / h, np.zeros(3))
+        multipliers = (np.zeros((N, 3)), np.zeros((N + 1, 3)))
+        sets = (np.zeros((N, 3), dtype=np.int64), np.zeros((N + 1, 3), dtype=np.int64))
+        spent = 0
+        if self.homotopy:
+            z = tuple(np.zeros((n, 3)) for n in (N, N, N + 1, N + 1))
+            status = interior(
+                body, h, first, scales, problem.limits, self.max_iterations, plan, z, arena, told
+            )
+            spent = int(told[0])
+            if status != Status.CONVERGED and told[1] > 1e-4:
+                return Found(Status(status), plan, multipliers, sets, spent, float(told[1]))
+            _identify(problem, plan, z, scales, multipliers, sets)
+        status = active_set(
+            body, h, first, scales, problem.limits, _POLISH, plan, multipliers, sets, arena, told
+        )
+        if status == Status.CONVERGED and not _curved(problem, sets, scales, arena, 0.0):
+            status = Status.SADDLE
+        spent += int(told[0])
+        return Found(Status(status), plan, multipliers, sets, spent, float(told[1]))
+
+    def _conclude(
+        self,
+        problem: AttitudeTransfer,
+        found: Found,
+        tried: tuple[Tried, ...],
+        arena: Any,
+        begun: float,
+    ) -> TransferSolution:
+        """Return the solution of the best start, with its certificate."""
+        h = problem.body.time_step
+        u, Pi, lam, m = found.plan
+        zu, zp = found.multipliers
+        status, curvature, reason = found.status, math.nan, ""
+        turn = np.eye(3)
+        try:
+            attitudes, _ = problem.body.simulate(problem.start, problem.start_momentum, u)
+            turn = attitudes[1].T @ attitudes[-1]
+            zeta = h * h * (turn @ m)
+            residuals, attitudes = evaluate(problem, u, Pi, h * lam, zeta, zu, zp)
+        except ParameterError:
+            status = Status.UNSOLVABLE_STEP
+            raise
+        if status == Status.CONVERGED:
+            if not residuals.largest <= self.tolerance:
+                status = Status.LINE_SEARCH_FAILED
+            else:
+                curvature = self._least_curvature(problem, found, arena)
+                if curvature <= 0.0:
+                    status = Status.SADDLE
+        if status == Status.INFEASIBLE:
+            reason = time_bound_text(problem)
+        elif status == Status.CONVERGED:
+            reason = "the conditions hold, and the reduced Hessian is positive definite"
+        else:
+            reason = f"{len(tried)} starts led to no minimum within the bounds: none is proven"
+        return TransferSolution(
+            problem=problem,
+            status=status,
+            torque=u,
+            momentum=Pi,
+            attitude=attitudes,
+            co_momentum=h * lam,
+            zeta=zeta,
+            torque_multipliers=zu,
+            momentum_multipliers=zp,
+            active_torque=found.sets[0],
+            active_momentum=found.sets[1],
+            cost=found.cost,
+            residuals=residuals,
+            min_curvature=curvature,
+            iterations=found.iterations,
+            tried=tried,
+            reason=reason,
+            solve_time=perf_counter() - begun,
+        )
+
+    def _least_curvature(self, problem: AttitudeTransfer, found: Found, arena: Any) -> float:
+        """Return a lower bound on the least curvature, by bisection; 0 or less: none is proven."""
+        scales = _scales(problem)
+        _linearize(problem, found, arena)
+        if not _curved(problem, found.sets, scales, arena, _LEAST_CURVATURE):
+            return 0.0
+        low, high = _LEAST_CURVATURE, 1.0
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if _curved(problem, found.sets, scales, arena, middle):
+                low = middle
+            else:
+                high = middle
+        return low
+
+
+def shortest_transfer(
+    problem: AttitudeTransfer, solver: TransferSolver | None = None
+) -> TransferSolution:
+    """Return the plan with the fewest steps for which one is found, by bisection.
+
+    Below it none was found; that none exists is proven only below `shortest_possible_steps`.
+
+    Raises
+    ------
+    ParameterError
+        If none is found in 64 times the time of the problem.
+    """
+    solver = solver or TransferSolver()
+    low = shortest_possible_steps(problem) - 1
+    high = max(low + 1, 2)
+    best = None
+    while best is None:
+        solution = solver.solve(replace(problem, n_steps=high))
+        if solution.converged:
+            best = solution
+        elif high > 64 * max(problem.n_steps, low + 1):
+            raise ParameterError(
+                f"problem: received a transfer for which no plan was found in up to {high} steps; "
+                "required one within the bounds; widen them"
+            )
+        else:
+            low, high = high, math.ceil(1.3 * high)
+    while high - low > 1:
+        middle = (low + high) // 2
+        solution = solver.solve(replace(problem, n_steps=middle))
+        if solution.converged:
+            best, high = solution, middle
+        else:
+            low = middle
+    return best
+
+
+def _scales(problem: AttitudeTransfer) -> Array:
+    """Return the units of torque and momentum, and the natural weights of the end (4,)."""
+    torque, momentum = units(problem)
+    h, N = problem.body.time_step, problem.n_steps
+    moment = float(np.linalg.eigvalsh(problem.body.inertia)[-1])
+    return np.array([torque, momentum, 12.0 * moment**2 / (h**4 * N**3), 1.0 / (h * h * N)])
+
+
+def _identify(
+    problem: AttitudeTransfer,
+    plan: tuple[Array, ...],
+    z: tuple[Array, ...],
+    scales: Array,
+    multipliers: tuple[Array, Array],
+    sets: tuple[NDArray[np.int64], NDArray[np.int64]],
+) -> None:
+    """Set active sets and multipliers from the end of the homotopy."""
+    inner = slice(1, problem.n_steps)
+    natural = float(scales[0]) / problem.duration  # of the multipliers of the momentum
+    for which, part, unit in ((0, slice(None), 1.0), (1, inner, natural / float(scales[1]))):
+        x = plan[which][part]
+        low, high = problem.limits[2 * which : 2 * which + 2]
+        zl, zh = z[2 * which][part], z[2 * which + 1][part]
+        sets[which][part] = np.where(
+            zl > unit * (x - low), -1, np.where(zh > unit * (high - x), 1, 0)
+        )
+        multipliers[which][part] = np.where(sets[which][part] != 0, zh - zl, 0.0)
+
+
+def _curved(problem: AttitudeTransfer, sets: Any, scales: Array, arena: Any, least: float) -> bool:
+    """Whether the reduced Hessian of the last linearization is at least ``least``."""
+    _, gap, stage, D, g, Dp, gp, *_, step, _ = arena
+    h = problem.body.time_step
+    return bool(is_minimum(h, stage, sets, scales, least, D, g, Dp, gp, gap, step))
+
+
+def _linearize(problem: AttitudeTransfer, found: Found, arena: Any) -> None:
+    """Linearize about a plan, into the arena: Algorithm 2 without a step."""
+    first = np.ascontiguousarray(problem.goal.T @ problem.start).ravel()
+    active_set(
+        problem.body.packed, problem.body.time_step, first, _scales(problem), problem.limits, 0,
+        found.plan, found.multipliers, found.sets, arena, np.zeros(2),
+    )  # fmt: skip
+
+
+def _not_run(problem: AttitudeTransfer, start: Start) -> Found:
+    """Return a start that was not followed, as the transfer is proven to be infeasible."""
+    N = problem.n_steps
+    plan = (start.torque, start.momentum, -start.torque / problem.body.time_step, np.zeros(3))
+    sets = (np.zeros((N, 3), dtype=np.int64), np.zeros((N + 1, 3), dtype=np.int64))
+    zeros = (np.zeros((N, 3)), np.zeros((N + 1, 3)))
+    return Found(Status.INFEASIBLE, plan, zeros, sets, 0, math.inf)
+
+
+def _arena(N: int) -> Any:
+    """Return the arrays that the kernels work in."""
+    e = np.empty
+    step = (e((N, 39)), e((6, 6)), e(6), e(6), e((N, 3)), e((N + 1, 3)), e((N, 3)))
+    trial = (e((N, 3)), e((N + 1, 3)), e((N, 4)), e((N, 3)))
+    return (
+        e((N, 4)), e((N, 3)), e((N + 1, 45)), e((N, 3)), e((N, 3)), np.zeros((N + 1, 3)),
+        np.zeros((N + 1, 3)), e((N, 3)), e((N + 1, 3)), e((N, 3)), e((N + 1, 3)), step, trial,
+    )  # fmt: skip
