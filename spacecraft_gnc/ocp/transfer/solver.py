@@ -314,9 +314,9 @@ def _not_run(problem: AttitudeTransfer, start: Start) -> Found:
     return Found(Status.INFEASIBLE, plan, zeros, sets, 0, math.inf)
 
 
-def _arena(N: int) -> Any:
+def _arena(n_steps: int) -> Any:
     """Return the arrays that the kernels work in."""
-    e = np.empty
+    N, e = n_steps, np.empty
     step = (e((N, 39)), e((6, 6)), e(6), e(6), e((N, 3)), e((N + 1, 3)), e((N, 3)))
     trial = (e((N, 3)), e((N + 1, 3)), e((N, 4)), e((N, 3)))
     return (
