@@ -25,7 +25,7 @@ def _product(a, b):
 
 
 class TransferIpopt:
-    """Torques, momenta, quaternions of steps and of attitudes as unknowns, all steps as equations."""
+    """Unknowns are torques, momenta, quaternions of steps and attitudes."""
 
     def __init__(self, body, n_steps: int) -> None:
         N, h, J = n_steps, body.time_step, ca.DM(np.array(body.inertia))
