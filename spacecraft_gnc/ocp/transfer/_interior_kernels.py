@@ -190,7 +190,8 @@ def interior(body, h, first, units, limits, most, plan, z, arena, told):
     ulo, uhi, plo, phi = limits[0], limits[1], limits[2], limits[3]
     N = u.shape[0]
     us, ps = units[0], units[1]
-    mu = _FIRST_MU * us * us
+    relative = _FIRST_MU
+    mu = relative * us * us
     push_inside(u, ulo, uhi, us, 0, N)
     push_inside(Pi, plo, phi, ps, 1, N)
     Dp[:] = 0.0
@@ -226,11 +227,11 @@ def interior(body, h, first, units, limits, most, plan, z, arena, told):
                 slackness(u, ulo, uhi, zul, zuh, mu, 0, N),
                 slackness(Pi, plo, phi, zpl, zph, mu, 1, N),
             )
-            relative = mu / (us * us)
             error = max(base, slack / (us * us))
             if error > _ENOUGH * relative or relative <= _LAST_MU:
                 break
-            mu = max(_LAST_MU, min(0.2 * relative, relative**1.5)) * us * us
+            relative = max(_LAST_MU, min(0.2 * relative, relative**1.5))
+            mu = relative * us * us
             nu_g, nu_e = 0.0, 0.0
         told[1] = error
         if relative <= _LAST_MU and error <= _ENOUGH * 10.0 * _LAST_MU:
