@@ -1,0 +1,191 @@
+"""Transfers of the paper against the reference solution, and what makes an answer optimal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from transfer_cases import BODY, figure_4, paper_transfer, random_transfer
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.ocp.transfer import TransferSolver, shortest_possible_steps, shortest_transfer
+from spacecraft_gnc.ocp.transfer.conditions import evaluate
+from spacecraft_gnc.status import Status
+
+DATA = Path(__file__).parents[2] / "data" / "phogat_figure4_ipopt.npz"
+
+
+@pytest.fixture(scope="module")
+def plan():
+    """The plan of figure 4."""
+    return TransferSolver().solve(figure_4())
+
+
+def test_figure_4(plan):
+    assert plan.converged
+    assert plan.cost == pytest.approx(20965.95496, abs=1e-5)
+    reference = np.load(DATA)
+    np.testing.assert_allclose(plan.torque, reference["torque"], rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(plan.momentum, reference["momentum"], rtol=0.0, atol=1e-6)
+    found = {(one.quantity, one.axis, one.bound, one.first, one.last) for one in plan.active}
+    assert found == {
+        ("torque", 1, 20.0, 0, 5),
+        ("torque", 1, -20.0, 179, 189),
+        ("torque", 2, 20.0, 0, 3),
+        ("momentum", 2, 70.0, 58, 79),
+        ("momentum", 1, 70.0, 70, 132),
+    }
+
+
+def test_roll_out_ends_at_the_goal(plan):
+    problem = plan.problem
+    attitudes, momenta = BODY.simulate(problem.start, problem.start_momentum, plan.torque)
+    assert lie.angle_between(attitudes[-1], problem.goal) < 1e-12
+    np.testing.assert_allclose(momenta[-1], 0.0, atol=1e-11)
+    assert np.abs(plan.torque).max() <= 20.0
+    assert np.abs(plan.momentum).max() <= 70.0
+
+
+@pytest.mark.parametrize(
+    ("what", "field"),
+    [
+        ("momentum", "momentum"),
+        ("co_momentum", "co_momentum"),
+        ("zeta", "co_momentum"),
+        ("torque_multipliers", "torque"),
+        ("momentum_multipliers", "co_momentum"),
+    ],
+)
+def test_conditions_notice_a_wrong_number(plan, what, field):
+    parts = {
+        name: getattr(plan, name).copy()
+        for name in (
+            "torque", "momentum", "co_momentum", "zeta", "torque_multipliers",
+            "momentum_multipliers",
+        )
+    }  # fmt: skip
+    good, _ = evaluate(plan.problem, **parts)
+    assert good.largest < 1e-12
+    parts[what].flat[parts[what].size // 2] *= 1.0 + 1e-4
+    parts[what].flat[parts[what].size // 2] += 1e-3
+    bad, _ = evaluate(plan.problem, **parts)
+    assert getattr(bad, field) > 1e-7
+
+
+def test_multipliers_have_their_signs(plan):
+    assert (plan.torque_multipliers * plan.active_torque >= 0.0).all()
+    assert (plan.torque_multipliers[plan.active_torque == 0] == 0.0).all()
+    assert (plan.momentum_multipliers * plan.active_momentum >= 0.0).all()
+    assert (plan.momentum_multipliers[plan.active_momentum == 0] == 0.0).all()
+
+
+def test_straight_start_on_a_principal_axis_is_no_proof():
+    plan = TransferSolver().solve(paper_transfer(90.0, (0.0, 1.0, 0.0), 30.0))
+    assert plan.converged
+    assert plan.cost == pytest.approx(14192.2478, abs=1e-4)
+    assert not plan.tried[0].status == Status.CONVERGED
+
+
+def test_plain_algorithm_2_solves_the_paper_s_case():
+    plan = TransferSolver(starts=1, homotopy=False).solve(figure_4())
+    assert plan.converged
+    assert plan.cost == pytest.approx(20965.95496, abs=1e-5)
+
+
+def test_curvature_is_that_of_the_dense_hessian():
+    """The lower bound against the reduced Hessian by differences, bounds apart."""
+    problem = figure_4(
+        body=RigidBody(BODY.inertia, 19.0 / 12), n_steps=12, torque=None, momentum=None
+    )
+    plan = TransferSolver(starts=1).solve(problem)
+    assert plan.converged
+    moment = problem.body.time_step * plan.co_momentum[-1] / problem.body.time_step
+
+    n = plan.torque.size
+
+    def end(torque):
+        attitudes, momenta = problem.body.simulate(
+            problem.start, problem.start_momentum, torque.reshape(-1, 3)
+        )
+        return np.append(lie.log(problem.goal.T @ attitudes[-1]), momenta[-1])
+
+    base, steps = plan.torque.ravel(), 1e-2 * np.eye(n)
+    jacobian = np.array([(end(base + d) - end(base - d)) / 2e-2 for d in steps]).T
+    multipliers = np.linalg.lstsq(jacobian.T, -base, rcond=None)[0]
+    np.testing.assert_allclose(multipliers[3:] * problem.body.time_step, moment, rtol=1e-3)
+    hessian = np.eye(n)
+    for i in range(n):
+        for j in range(n):
+            a, b = 50.0 * steps[i], 50.0 * steps[j]
+            bend = end(base + a + b) - end(base + a - b) - end(base - a + b) + end(base - a - b)
+            hessian[i, j] += multipliers @ bend
+    free = np.linalg.svd(jacobian)[2][6:]
+    least = np.linalg.eigvalsh(free @ hessian @ free.T)[0]
+    assert plan.min_curvature == pytest.approx(least, abs=2e-3)
+
+
+@pytest.mark.parametrize("bounds", [(-np.inf, 20.0), ([-15.0, -25.0, -30.0], 20.0), None])
+def test_bounds_need_not_be_symmetric(bounds):
+    plan = TransferSolver(starts=1).solve(figure_4(torque=bounds))
+    assert plan.converged
+    assert plan.residuals.largest < 1e-8
+
+
+def test_cost_falls_with_wider_bounds():
+    costs = [TransferSolver(starts=1).solve(figure_4(torque=x)).cost for x in (19.0, 20.0, 25.0)]
+    assert costs == sorted(costs, reverse=True)
+    assert costs[0] > costs[1] > costs[2]
+
+
+def test_nothing_to_do_costs_nothing():
+    plan = TransferSolver().solve(paper_transfer(0.0, (1.0, 0.0, 0.0), 10.0))
+    assert plan.converged
+    assert plan.cost < 1e-20
+
+
+def test_same_problem_in_other_units():
+    """Mass in other units scales torque and momentum, and nothing else."""
+    plain = TransferSolver(starts=1).solve(figure_4())
+    factor = 1e-6
+    problem = figure_4()
+    scaled = TransferSolver(starts=1).solve(
+        replace(
+            problem,
+            body=RigidBody(factor * BODY.inertia, BODY.time_step),
+            start_momentum=factor * problem.start_momentum,
+            torque=20.0 * factor,
+            momentum=70.0 * factor,
+        )
+    )
+    assert scaled.converged
+    np.testing.assert_allclose(scaled.torque / factor, plain.torque, atol=1e-7)
+
+
+def test_too_short_is_proven():
+    problem = paper_transfer(90.0, (1.0, 0.0, 0.0), 5.0)
+    plan = TransferSolver().solve(problem)
+    assert plan.status == Status.INFEASIBLE
+    assert "too short" in plan.reason
+    least = shortest_possible_steps(problem)
+    assert TransferSolver().solve(replace(problem, n_steps=least)).status != Status.INFEASIBLE
+
+
+def test_shortest_transfer_is_no_shorter_than_the_bound():
+    problem = paper_transfer(10.0, (1.0, 0.0, 0.0), 5.0)
+    assert not TransferSolver().solve(problem).converged
+    best = shortest_transfer(problem)
+    assert best.converged
+    # At full torque there and back: angle = u T^2 / (4 J), 5.28 s.
+    assert best.problem.duration == pytest.approx(2.0 * np.sqrt(np.radians(10.0) * 40.0), abs=0.1)
+    assert best.problem.n_steps >= shortest_possible_steps(problem)
+
+
+@pytest.mark.parametrize("index", range(0, 40, 4))
+def test_second_solve_is_the_same(index):
+    problem = random_transfer(index)
+    one, two = (TransferSolver().solve(problem) for _ in range(2))
+    assert one.status == two.status
+    np.testing.assert_array_equal(one.torque, two.torque)
