@@ -13,7 +13,7 @@ from spacecraft_gnc.ocp.transfer import AttitudeTransfer
 BODY = RigidBody(np.diag([800.0, 1200.0, 1000.0]), 0.1)
 
 
-def paper_transfer(degrees, axis, seconds, start_momentum=(0.0, 0.0, 0.0), **changes):
+def paper_transfer(degrees, axis, seconds, **changes):
     """Transfer of Phogat et al., section 6."""
     axis = np.asarray(axis, dtype=float)
     axis = axis / np.linalg.norm(axis)
@@ -22,7 +22,6 @@ def paper_transfer(degrees, axis, seconds, start_momentum=(0.0, 0.0, 0.0), **cha
             "body": BODY,
             "n_steps": round(seconds / BODY.time_step),
             "goal": lie.exp(math.radians(degrees) * axis),
-            "start_momentum": np.asarray(start_momentum, dtype=float),
             "torque": 20.0,
             "momentum": 70.0,
         }
@@ -32,7 +31,8 @@ def paper_transfer(degrees, axis, seconds, start_momentum=(0.0, 0.0, 0.0), **cha
 
 def figure_4(**changes):
     """The transfer of figure 4."""
-    return paper_transfer(90.0, (1.0, 1.0, 1.0), 19.0, (30.0, -10.0, 10.0), **changes)
+    changes = {"start_momentum": np.array([30.0, -10.0, 10.0])} | changes
+    return paper_transfer(90.0, (1.0, 1.0, 1.0), 19.0, **changes)
 
 
 def random_transfer(index, n_steps=None):

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.arguments import as_count, require_kind, require_positive
-from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.ocp.transfer._active_kernels import active_set, is_minimum
 from spacecraft_gnc.ocp.transfer._interior_kernels import interior
 from spacecraft_gnc.ocp.transfer.certificate import (
@@ -27,7 +27,7 @@ from spacecraft_gnc.ocp.transfer.certificate import (
     shortest_possible_steps,
     time_bound_text,
 )
-from spacecraft_gnc.ocp.transfer.conditions import evaluate, units
+from spacecraft_gnc.ocp.transfer.conditions import Residuals, evaluate, units
 from spacecraft_gnc.ocp.transfer.problem import AttitudeTransfer
 from spacecraft_gnc.ocp.transfer.solution import TransferSolution, Tried
 from spacecraft_gnc.ocp.transfer.starts import NAMES, Start, make_start
@@ -164,15 +164,13 @@ class TransferSolver:
         u, Pi, lam, m = found.plan
         zu, zp = found.multipliers
         status, curvature, reason = found.status, math.nan, ""
-        turn = np.eye(3)
         try:
             attitudes, _ = problem.body.simulate(problem.start, problem.start_momentum, u)
-            turn = attitudes[1].T @ attitudes[-1]
-            zeta = h * h * (turn @ m)
+            zeta = h * h * (attitudes[1].T @ attitudes[-1] @ m)
             residuals, attitudes = evaluate(problem, u, Pi, h * lam, zeta, zu, zp)
-        except ParameterError:
-            status = Status.UNSOLVABLE_STEP
-            raise
+        except GncError:  # what did not converge need not be a motion
+            attitudes, zeta = np.full((problem.n_steps + 1, 3, 3), math.nan), np.full(3, math.nan)
+            residuals = Residuals(*[math.inf] * len(Residuals._fields))
         if status == Status.CONVERGED:
             if not residuals.largest <= self.tolerance:
                 status = Status.LINE_SEARCH_FAILED
