@@ -1,13 +1,19 @@
 """Proof that a transfer is too short, from the bounds alone.
 
 Over a step |Pi| changes by at most h |u| (F is a rotation), so that it is bounded from both ends
-and by its box; and q . (2 q0 J q + 2 q x J q) = h q . Pi gives sin(angle of F) <= h |Pi| / J_min.
+and by its box. With q the vector part of F, |q| = sin(angle / 2), the step's equation
+2 q0 q + 2 J^-1 (q x J q) = h J^-1 Pi bounds the angle twice:
+
+    sin(angle) <= h |Pi| / J_min,
+    sin(angle) <= h |J^-1 Pi| + |q|^2 (J_max - J_min) / J_min.
+
 Where these angles do not add up to that of the transfer, no torque within the bounds reaches it.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 
@@ -29,11 +35,23 @@ def is_too_short(problem: AttitudeTransfer, n_steps: int) -> bool:
         most = np.fmin(first + k * push, last + (n_steps - k) * push)
     most[0] = first
     most[1:] = np.fmin(most[1:], sizes[1])
-    smallest = float(np.linalg.eigvalsh(problem.body.inertia)[0])
-    sine = h * most / smallest
+    moments = np.linalg.eigvalsh(problem.body.inertia)
+    sine = h * most / moments[0]
     if (sine >= 1.0).any():  # a step may turn by more than a quarter
         return False
+    inner = sine[1:]  # the first momentum need not be within the box
+    spread = (moments[-1] - moments[0]) / moments[0]
+    inner[:] = np.fmin(inner, h * _fastest(problem) + np.sin(0.5 * np.arcsin(inner)) ** 2 * spread)
     return bool(np.arcsin(sine).sum() * (1.0 + 1e-12) < problem.angle)
+
+
+def _fastest(problem: AttitudeTransfer) -> float:
+    """Return the largest rate |J^-1 Pi| within the box of the momentum [rad/s]."""
+    low, high = problem.limits[2:]
+    if not np.isfinite(problem.limits[2:]).all():
+        return math.inf
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    return float(np.linalg.norm(np.linalg.solve(problem.body.inertia, corners.T), axis=0).max())
 
 
 def shortest_possible_steps(problem: AttitudeTransfer) -> int:
