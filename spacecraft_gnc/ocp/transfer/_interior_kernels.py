@@ -36,8 +36,7 @@ def push_inside(x, lo, hi, unit, first, last):
 
 @kernel
 def barrier_terms(x, lo, hi, zl, zh, mu, base, first, last, D, g):
-    """Diagonal D and gradient g of base |x|^2 / 2 and of the barrier; returns the barrier."""
-    total = 0.0
+    """Diagonal D and gradient g of base |x|^2 / 2 and of the barrier."""
     for k in range(first, last):
         for i in range(3):
             D[k, i], g[k, i] = base, base * x[k, i]
@@ -49,7 +48,6 @@ def barrier_terms(x, lo, hi, zl, zh, mu, base, first, last, D, g):
                 s = hi[i] - x[k, i]
                 D[k, i] += zh[k, i] / s
                 g[k, i] += mu / s
-    return total
 
 
 @kernel

@@ -11,7 +11,7 @@ Source: Phogat et al., Algorithm 2.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, Final, NamedTuple
 
@@ -19,14 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.arguments import as_count, require_kind, require_positive
-from spacecraft_gnc.errors import GncError, ParameterError
+from spacecraft_gnc.arrays import as_finite
+from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp.transfer._active_kernels import active_set, is_minimum
 from spacecraft_gnc.ocp.transfer._interior_kernels import interior
-from spacecraft_gnc.ocp.transfer.certificate import (
-    is_too_short,
-    shortest_possible_steps,
-    time_bound_text,
-)
+from spacecraft_gnc.ocp.transfer.certificate import is_too_short, time_bound_text
 from spacecraft_gnc.ocp.transfer.conditions import Residuals, evaluate, units
 from spacecraft_gnc.ocp.transfer.problem import AttitudeTransfer
 from spacecraft_gnc.ocp.transfer.solution import TransferSolution, Tried
@@ -105,13 +102,25 @@ class TransferSolver:
         problem : AttitudeTransfer
         start : pair of (N, 3) and (N+1, 3) arrays, optional
             Torque [N m] and momentum [N m s] to start from, in place of the starts of its own.
+
+        Raises
+        ------
+        ShapeError, ParameterError
+            If an argument is refused. What does not converge is told by the status.
         """
         require_kind("problem", problem, AttitudeTransfer)
         begun = perf_counter()
         arena = _arena(problem.n_steps)
         tried: list[tuple[str, Found]] = []
         if start is not None:
-            tried.append(("given", self._run(problem, Start("given", *start), arena)))
+            torque, momentum = start
+            N = problem.n_steps
+            given = Start(
+                "given",
+                as_finite("torque", torque, (N, 3), f"{N} torques [N m]"),
+                as_finite("momentum", momentum, (N + 1, 3), f"{N + 1} momenta [N m s]"),
+            )
+            tried.append((given.name, self._run(problem, given, arena)))
         elif is_too_short(problem, problem.n_steps):
             name = NAMES[0]
             tried.append((name, _not_run(problem, make_start(problem, name))))
@@ -130,6 +139,7 @@ class TransferSolver:
         first = np.ascontiguousarray(problem.goal.T @ problem.start).ravel()
         scales, told = _scales(problem), np.zeros(2)
         u, Pi = start.torque.copy(), start.momentum.copy()
+        Pi[0], Pi[-1] = problem.start_momentum, problem.goal_momentum
         plan = (u, Pi, -u / h, np.zeros(3))
         multipliers = (np.zeros((N, 3)), np.zeros((N + 1, 3)))
         sets = (np.zeros((N, 3), dtype=np.int64), np.zeros((N + 1, 3), dtype=np.int64))
@@ -219,43 +229,6 @@ class TransferSolver:
             else:
                 high = middle
         return low
-
-
-def shortest_transfer(
-    problem: AttitudeTransfer, solver: TransferSolver | None = None
-) -> TransferSolution:
-    """Return the plan with the fewest steps for which one is found, by bisection.
-
-    Below it none was found; that none exists is proven only below `shortest_possible_steps`.
-
-    Raises
-    ------
-    ParameterError
-        If none is found in 64 times the time of the problem.
-    """
-    solver = solver or TransferSolver()
-    low = shortest_possible_steps(problem) - 1
-    high = max(low + 1, 2)
-    best = None
-    while best is None:
-        solution = solver.solve(replace(problem, n_steps=high))
-        if solution.converged:
-            best = solution
-        elif high > 64 * max(problem.n_steps, low + 1):
-            raise ParameterError(
-                f"problem: received a transfer for which no plan was found in up to {high} steps; "
-                "required one within the bounds; widen them"
-            )
-        else:
-            low, high = high, math.ceil(1.3 * high)
-    while high - low > 1:
-        middle = (low + high) // 2
-        solution = solver.solve(replace(problem, n_steps=middle))
-        if solution.converged:
-            best, high = solution, middle
-        else:
-            low = middle
-    return best
 
 
 def _scales(problem: AttitudeTransfer) -> Array:

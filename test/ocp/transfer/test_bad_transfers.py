@@ -34,3 +34,5 @@ def test_refused_solver():
         TransferSolver(starts=9)
     with pytest.raises(GncError, match="problem: received 'x'"):
         TransferSolver().solve("x")
+    with pytest.raises(GncError, match="torque: received an array of shape"):
+        TransferSolver().solve(figure_4(), (np.zeros((3, 3)), np.zeros((191, 3))))

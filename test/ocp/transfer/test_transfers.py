@@ -164,6 +164,36 @@ def test_same_problem_in_other_units():
     np.testing.assert_allclose(scaled.torque / factor, plain.torque, atol=1e-7)
 
 
+def test_given_start(plan):
+    again = TransferSolver().solve(plan.problem, (0.9 * plan.torque, plan.momentum))
+    assert again.converged
+    assert [one.start for one in again.tried] == ["given"]
+    np.testing.assert_allclose(again.torque, plan.torque, atol=1e-9)
+
+
+@pytest.mark.parametrize("index", [43, 51, 109])
+def test_inertial_frame_does_not_matter(index):
+    problem = random_transfer(index)
+    turn = lie.exp(np.array([0.3, -1.1, 0.7]))
+    turned = replace(problem, start=turn @ problem.start, goal=turn @ problem.goal)
+    one, two = (TransferSolver(starts=1).solve(p) for p in (problem, turned))
+    assert one.converged
+    assert two.converged
+    np.testing.assert_allclose(two.torque, one.torque, atol=1e-8)
+
+
+@pytest.mark.parametrize("index", [43, 51, 109])
+def test_names_of_the_axes_do_not_matter(index):
+    problem = random_transfer(index)
+    cycle = np.eye(3)[[2, 0, 1]]
+    body = RigidBody(cycle @ BODY.inertia @ cycle.T, BODY.time_step)
+    renamed = replace(problem, body=body, goal=cycle @ problem.goal @ cycle.T)
+    one, two = (TransferSolver(starts=1).solve(p) for p in (problem, renamed))
+    assert one.converged
+    assert two.converged
+    np.testing.assert_allclose(two.torque, one.torque @ cycle.T, atol=1e-7)
+
+
 def test_too_short_is_proven():
     problem = paper_transfer(90.0, (1.0, 0.0, 0.0), 5.0)
     plan = TransferSolver().solve(problem)
