@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +72,8 @@ class GovernorDecision(NamedTuple):
     """Largest number of steps of a prediction; 0 if nothing is predicted."""
     waypoints: int = 0
     """Intermediate references still ahead of the target."""
+    report: Any = None
+    """What the law says of it beside; None where it has nothing to say."""
 
 
 class Invariants(NamedTuple):

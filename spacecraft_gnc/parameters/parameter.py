@@ -88,6 +88,8 @@ class ParameterSpec:
     (-1, 3): rows of 3 numbers."""
     may_be_empty: bool = False
     required: bool = False
+    infinite: bool = False
+    """Whether infinity is admitted, such as for no bound."""
     nonzero: bool = False
     """A vector of length zero is refused."""
     unique: bool = False

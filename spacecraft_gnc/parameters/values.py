@@ -145,9 +145,14 @@ def _in_type(kind: Kind, value: Any, text: str | None) -> Any:
 
 
 def _check_finite(spec: ParameterSpec, value: Value, items: list[Any]) -> None:
-    if any(isinstance(item, float) and not math.isfinite(item) for item in items):
-        requirement = f"{spec.requirement}, finite"
-        raise Refusal(shown(value), requirement, "replace NaN and infinity")
+    refused, word = (math.isnan, "NaN") if spec.infinite else (_is_infinite, "NaN and infinity")
+    if any(isinstance(item, float) and refused(item) for item in items):
+        need = "no NaN" if spec.infinite else "finite"
+        raise Refusal(shown(value), f"{spec.requirement}, {need}", f"replace {word}")
+
+
+def _is_infinite(number: float) -> bool:
+    return not math.isfinite(number)
 
 
 def _check_size(spec: ParameterSpec, value: Value) -> None:

@@ -12,14 +12,20 @@ from numpy.typing import NDArray
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.flight import Flight, Moment, Step, column, final
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import plan_of
 
 if TYPE_CHECKING:  # the solvers' kernels take long to import
+    from spacecraft_gnc.governors.planned.report import PlanReport
     from spacecraft_gnc.ocp.solution import Solution
 
 
 def _solution(step: Step) -> Solution | None:
     report = step.command.report  # as `solution_of`, one call shorter
     return None if report is None else report.solution
+
+
+def _plan(step: Step) -> PlanReport | None:
+    return plan_of(step.command) or plan_of(step.decision)
 
 
 def _external_torque(plant: Any) -> Any:
@@ -57,6 +63,12 @@ class RigidBodyFlight(Flight):
     alpha, governor_margin : (n,) arrays
         Of the governor's decision: share of the way to the target, smallest margin of its
         prediction (infinite where nothing is predicted); NaN where it was not recorded.
+    plan, plan_phase : (n,) arrays of int
+        Number of the plan that is flown and `governors.planned.report.Phase`; -1: none.
+    plan_error : (n,) array
+        Angle between the attitude and the planned one [rad]; NaN without a plan.
+    plan_torque, plan_momentum : (n, 3) arrays
+        What the plan has for the step, body frame [N m], [N m s]; NaN without a plan.
     final_attitude, final_momentum, final_reference : (3, 3), (3,), (3, 3) arrays
         State at the end of the flight, and the last reference.
     """
@@ -100,6 +112,21 @@ class RigidBodyFlight(Flight):
     )
     alpha: Array = column("decision.alpha", carried_by="governor_status/alpha")
     governor_margin: Array = column("decision.margin", carried_by="governor_status/margin")
+    plan: NDArray[np.int64] = column(
+        "number", of=_plan, carried_by="plan_status/number", missing=-1, formerly=-1
+    )
+    plan_phase: NDArray[np.int64] = column(
+        "phase", of=_plan, carried_by="plan_status/phase", missing=-1, formerly=-1
+    )
+    plan_error: Array = column(
+        "attitude_error", of=_plan, carried_by="plan_status/attitude_error", formerly=math.nan
+    )
+    plan_torque: Array = column(
+        "torque", (3,), of=_plan, carried_by="plan_status/torque", formerly=math.nan
+    )
+    plan_momentum: Array = column(
+        "momentum", (3,), of=_plan, carried_by="plan_status/momentum", formerly=math.nan
+    )
     final_attitude: Array = final("state.attitude", (3, 3), carried_by="attitude_state/attitude")
     final_momentum: Array = final(
         "state.momentum", (3,), carried_by="attitude_state/angular_momentum"

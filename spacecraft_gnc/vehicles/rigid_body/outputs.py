@@ -6,6 +6,7 @@ import math
 from typing import Any, Final, Protocol
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.governors.planned.report import PlanReport
 from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Reference, State
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import (
@@ -18,9 +19,15 @@ from spacecraft_gnc.signals.attitude import (
 )
 from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.types import Matrix3
-from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import plan_of, solution_of
 from spacecraft_gnc.vehicles.rigid_body.markers import zone_markers
-from spacecraft_gnc.vehicles.rigid_body.signals import SOLVER_STATUS, TORQUE, ZONE_MARKERS
+from spacecraft_gnc.vehicles.rigid_body.signals import (
+    ATTITUDE_PLAN,
+    PLAN_STATUS,
+    SOLVER_STATUS,
+    TORQUE,
+    ZONE_MARKERS,
+)
 
 Told = list[tuple[Signal, Any]]
 """Signals with their values, in the order in which they are published."""
@@ -72,6 +79,7 @@ class Outputs:
             (TORQUE, command),
             (SOLVER_STATUS, self._status(command, wall)),
             (ATTITUDE_ERROR, error_of(state.attitude, reference)),
+            *_told_of(plan_of(command)),
         ]
 
     def progress(self, state: State, reference: Reference, command: Command) -> dict[str, Any]:
@@ -84,7 +92,8 @@ class Outputs:
 
     def governor(self, decision: GovernorDecision) -> Told:
         """Return what the governor tells of a decision; the reference first."""
-        return [(REFERENCE, decision.reference), (GOVERNOR_STATUS, decision)]
+        told = [(REFERENCE, decision.reference), (GOVERNOR_STATUS, decision)]
+        return [*told, *_told_of(plan_of(decision))]
 
     def accepted(self, target: Matrix3) -> Told:
         """Return what the governor tells of a target (3, 3) that it took in flight."""
@@ -115,3 +124,10 @@ class Outputs:
             solution.torques,
             *wall,
         )
+
+
+def _told_of(plan: PlanReport | None) -> Told:
+    """Return what is told of a step along a plan: the plans taken at it, and the step."""
+    if plan is None:
+        return []
+    return [*((ATTITUDE_PLAN, planned) for planned in plan.told), (PLAN_STATUS, plan)]

@@ -23,6 +23,7 @@ from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 from spacecraft_gnc.vehicles.rigid_body.signals import (
     APPLIED,
     INVARIANTS,
+    PLAN_STATUS,
     SOLVER_STATUS,
     STATE,
     TORQUE,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 _TOPICS: Final = (
     STATE, REFERENCE, ACCEPTED_TARGET, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS,
+    PLAN_STATUS,
 )  # fmt: skip
 PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
 
@@ -141,8 +143,8 @@ def _trajectory(
     period: float,
     is_moving: bool,
 ) -> RigidBodyFlight:
-    states, references, solves, decisions = (
-        columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS)
+    states, references, solves, decisions, planned = (
+        columns[topic] for topic in (STATE, REFERENCE, SOLVER_STATUS, GOVERNOR_STATUS, PLAN_STATUS)
     )
     reference = _filled(n, references, "attitude", (9,)).reshape(n, 3, 3)
     if not references.steps.size:  # a run without a governor regulates to the identity
@@ -175,6 +177,11 @@ def _trajectory(
         source=_integers(n, -1, torques.steps, torques.source),
         alpha=_filled(n, decisions, "alpha"),
         governor_margin=_filled(n, decisions, "margin"),
+        plan=_integers(n, -1, planned.steps, planned.fields.get("number")),
+        plan_phase=_integers(n, -1, planned.steps, planned.fields.get("phase")),
+        plan_error=_filled(n, planned, "attitude_error"),
+        plan_torque=_filled(n, planned, "torque", (3,)),
+        plan_momentum=_filled(n, planned, "momentum", (3,)),
         final_attitude=states.fields["attitude"][final].reshape(3, 3),
         final_momentum=states.fields["angular_momentum"][final],
         final_reference=last.reshape(3, 3),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final, NamedTuple
 
+from spacecraft_gnc.governors.planned.report import Cause, Phase, Planned, PlanReport
 from spacecraft_gnc.loop.protocols import Source, State
 from spacecraft_gnc.signals import ANY, INFINITE, ROTATION, Field, Message, Rule, Signal
 from spacecraft_gnc.signals.applied import Applied
@@ -18,7 +19,15 @@ from spacecraft_gnc.signals.attitude import (
     TARGET,
     quaternion_of,
 )
-from spacecraft_gnc.signals.graph import CONTROL, CONTROLLER, GOVERNOR, MOTION, PLANT, SETUP
+from spacecraft_gnc.signals.graph import (
+    CONTROL,
+    CONTROLLER,
+    GOVERNOR,
+    GUIDANCE,
+    MOTION,
+    PLANT,
+    SETUP,
+)
 from spacecraft_gnc.signals.qos import latched
 from spacecraft_gnc.signals.structures import QUATERNION, VECTOR3
 from spacecraft_gnc.types import Vector3
@@ -58,6 +67,52 @@ def _unpack_state(message: Message) -> State:
 
 def _pack_torque(command: Any) -> tuple[Any, ...]:
     return command.control, int(command.source)
+
+
+def _pack_plan(planned: Planned) -> tuple[Any, ...]:
+    solution = planned.solution
+    problem = solution.problem
+    torque_bounds, momentum_bounds = problem.limits[:2], problem.limits[2:]
+    return (
+        planned.number,
+        planned.first_step,
+        int(planned.cause),
+        int(solution.status),
+        problem.body.time_step,
+        problem.body.inertia.ravel(),
+        torque_bounds.ravel(),
+        momentum_bounds.ravel(),
+        problem.goal,
+        solution.attitude,
+        solution.momentum,
+        solution.torque,
+        solution.co_momentum,
+        solution.zeta,
+        solution.torque_multipliers,
+        solution.momentum_multipliers,
+        solution.cost,
+        solution.residuals.largest,
+        solution.min_curvature,
+        solution.iterations,
+        len(solution.tried),
+        solution.solve_time,
+    )
+
+
+def _pack_plan_step(report: PlanReport) -> tuple[Any, ...]:
+    return (
+        report.number,
+        report.plan_step,
+        int(report.phase),
+        report.attitude_error,
+        report.momentum_error,
+        report.attitude,
+        report.momentum,
+        report.torque,
+        report.reference.angular_velocity,
+        report.reference.torque,
+        report.nominal_torque,
+    )
 
 
 def _unpack_torque(message: Message) -> Torque:
@@ -143,6 +198,63 @@ ZONE_MARKERS: Final = Signal(
     qos=latched(1),
     rank=SETUP,
 )
+ATTITUDE_PLAN: Final = Signal(
+    name="attitude_plan",
+    type="spacecraft_gnc_msgs/msg/AttitudePlan",
+    fields={
+        "number": Field("uint32", "-"),
+        "first_step": Field("uint64", "-"),
+        "cause": Field("uint8", "-", Rule(most=max(Cause))),
+        "status": Field("uint8", "-"),
+        "time_step": Field("float64", "s"),
+        "inertia": Field("float64[9]", "kg m^2"),
+        "torque_bounds": Field("float64[6]", "N m", INFINITE),
+        "momentum_bounds": Field("float64[6]", "N m s", INFINITE),
+        "goal": Field("float64[9]", "-", ROTATION),
+        "attitudes": Field("float64[]", "-"),
+        "momenta": Field("float64[]", "N m s"),
+        "torques": Field("float64[]", "N m"),
+        "co_momenta": Field("float64[]", "N m"),
+        "zeta": Field("float64[3]", "kg m^2 N m"),
+        "torque_multipliers": Field("float64[]", "N m"),
+        "momentum_multipliers": Field("float64[]", "N m/s"),
+        "cost": Field("float64", "N^2 m^2"),
+        "residual": Field("float64", "-"),
+        "min_curvature": Field("float64", "-", ANY),
+        "iterations": Field("uint32", "-"),
+        "starts": Field("uint32", "-"),
+        "wall_solve_time": Field("float64", "s", ANY),
+    },
+    publishers=(CONTROLLER, GOVERNOR),
+    frame=BODY_FRAME,
+    every_step=False,
+    qos=latched(10),
+    rank=GUIDANCE + 2,
+    pack=_pack_plan,
+)
+"""A plan, from the step on at which it is taken."""
+PLAN_STATUS: Final = Signal(
+    name="plan_status",
+    type="spacecraft_gnc_msgs/msg/PlanStatus",
+    fields={
+        "number": Field("uint32", "-"),
+        "plan_step": Field("int64", "-"),
+        "phase": Field("uint8", "-", Rule(most=max(Phase))),
+        "attitude_error": Field("float64", "rad"),
+        "momentum_error": Field(VECTOR3, "N m s"),
+        "attitude": Field("float64[9]", "-", ROTATION),
+        "momentum": Field(VECTOR3, "N m s"),
+        "torque": Field(VECTOR3, "N m"),
+        "reference_rate": Field(VECTOR3, "rad/s"),
+        "reference_torque": Field(VECTOR3, "N m"),
+        "nominal_torque": Field(VECTOR3, "N m", ANY),
+    },
+    publishers=(CONTROLLER, GOVERNOR),
+    frame=BODY_FRAME,
+    rank=GUIDANCE + 3,
+    pack=_pack_plan_step,
+)
+"""Of each step of whoever plans."""
 APPLIED: Final = Applied(INVARIANTS, "applied_torque", "applied_source", TORQUE, "torque")
 SIGNALS: Final = (
     STATE,
@@ -154,6 +266,8 @@ SIGNALS: Final = (
     ATTITUDE_ERROR,
     GOVERNOR_STATUS,
     INVARIANTS,
+    ATTITUDE_PLAN,
+    PLAN_STATUS,
     POSE,
     ZONE_MARKERS,
 )

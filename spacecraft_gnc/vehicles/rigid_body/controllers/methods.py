@@ -10,6 +10,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers import (
     feedback,
     fsolve,
     neighboring_extremal,
+    planned,
     shooting,
     slsqp,
     terminal_set,
@@ -18,6 +19,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.feedback import FeedbackPara
 from spacecraft_gnc.vehicles.rigid_body.controllers.neighboring_extremal import (
     NeighboringParameters,
 )
+from spacecraft_gnc.vehicles.rigid_body.controllers.planned import PlannedParameters
 from spacecraft_gnc.vehicles.rigid_body.controllers.terminal_set import (
     TerminalSetParameters,
     TerminalSetWeights,
@@ -33,6 +35,7 @@ METHODS: Final[tuple[Method, ...]] = (
     fsolve.METHOD,
     terminal_set.METHOD,
     feedback.METHOD,
+    planned.METHOD,
 )
 
 
@@ -43,7 +46,11 @@ class WeightParameters(TerminalSetWeights, PenalizedWeights):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ControllerParameters(
-    FeedbackParameters, TerminalSetParameters, NeighboringParameters, CommonParameters
+    FeedbackParameters,
+    TerminalSetParameters,
+    NeighboringParameters,
+    PlannedParameters,
+    CommonParameters,
 ):
     """Section ``nmpc_controller``: what every method reads, and what each one adds."""
 

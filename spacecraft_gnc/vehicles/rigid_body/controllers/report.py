@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from spacecraft_gnc.loop.protocols import Command
+from spacecraft_gnc.governors.planned.report import PlanReport
+from spacecraft_gnc.loop.protocols import Command, GovernorDecision
 from spacecraft_gnc.status import Status
 
 if TYPE_CHECKING:  # the solvers' kernels take long to import
@@ -29,6 +30,8 @@ class SolveReport(NamedTuple):
     """None where the solver refused the state or the reference."""
     standstill: Standstill | None = None
     """The standstill that the loop is at; None: at none, or none was looked for."""
+    plan: PlanReport | None = None
+    """The step along a plan; None where none is flown."""
 
     @property
     def status(self) -> Status | None:
@@ -43,3 +46,13 @@ class SolveReport(NamedTuple):
 def solution_of(command: Command) -> Solution | None:
     """Return the solve behind a command; None where none was made."""
     return None if command.report is None else command.report.solution
+
+
+def plan_of(decided: Command | GovernorDecision) -> PlanReport | None:
+    """Return the step along a plan behind a command or a decision; None where none is flown."""
+    plan = decided.report if isinstance(decided, GovernorDecision) else _plan(decided.report)
+    return plan if isinstance(plan, PlanReport) else None
+
+
+def _plan(report: object) -> object:
+    return getattr(report, "plan", None)

@@ -8,6 +8,7 @@ from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.parameters.attitude import NoLawParameters
 from spacecraft_gnc.vehicles.rigid_body.parameters.governor import (
     AttitudeLawParameters,
+    PlannedLawParameters,
     TrajectoryParameters,
     TurningParameters,
 )
@@ -38,4 +39,9 @@ STORED: Final = GovernorLaw(
     looks_ahead=False,
     moves=True,
 )
-LAWS: Final[tuple[GovernorLaw, ...]] = (NONE, ATTITUDE, TURNING, STORED)
+PLANNED: Final = GovernorLaw(
+    name="planned",
+    build=Lazy(f"{__package__}.build:planned"),
+    parameters=PlannedLawParameters,
+)
+LAWS: Final[tuple[GovernorLaw, ...]] = (NONE, ATTITUDE, TURNING, STORED, PLANNED)

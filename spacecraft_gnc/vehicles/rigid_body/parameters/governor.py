@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from spacecraft_gnc.parameters.attitude import TargetParameters
 from spacecraft_gnc.parameters.parameter import ANGLES, LARGEST, LONGEST, Kind, group, parameter
 from spacecraft_gnc.types import Array, Vector3
+from spacecraft_gnc.vehicles.rigid_body.parameters.plan import PlanParameters
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
@@ -151,8 +152,19 @@ class TrajectoryParameters:
     trajectory: TrajectoryTable = group(TrajectoryTable)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False, init=False, repr=False)
+class PlannedLawParameters:
+    """What ``governor: planned`` reads beside the target."""
+
+    plan: PlanParameters = group(PlanParameters)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GovernorParameters(
-    TrajectoryParameters, TurningParameters, AttitudeLawParameters, TargetParameters
+    PlannedLawParameters,
+    TrajectoryParameters,
+    TurningParameters,
+    AttitudeLawParameters,
+    TargetParameters,
 ):
     """Section ``reference_governor``."""
