@@ -1,0 +1,179 @@
+"""Transfer that a scenario plans: body, time, bounds, start and goal.
+
+What flies on board plans with the inertia that the controller believes. Its bounds are those of the
+scenario less a reserve, which is left to what tracks the plan.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.dynamics import RigidBody
+from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, problem_of
+from spacecraft_gnc.types import Array, read_only
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
+
+if TYPE_CHECKING:  # the solver's kernels are not needed to read parameters
+    from spacecraft_gnc.ocp.transfer import AttitudeTransfer
+    from spacecraft_gnc.vehicles.rigid_body.parameters.plan import PlanParameters
+
+_ROUNDING: Final = 1e-9  # relative, of a duration in periods
+_CONTROLLER, _GOVERNOR = "nmpc_controller", "reference_governor"
+
+
+def planning_section(scenario: Scenario) -> str:
+    """Return the section whose method or law plans: the controller's first.
+
+    Raises
+    ------
+    InvalidScenario
+        If neither plans.
+    """
+    if "plan.duration" in scenario.method.reads:
+        return _CONTROLLER
+    if "plan.duration" in scenario.law.reads:
+        return _GOVERNOR
+    value = f"{scenario.method.name}, with governor {scenario.law.name}: neither plans a transfer"
+    need, key = "method: planned, or governor: planned", f"{_CONTROLLER}.method"
+    remedy = f"add --set {key}=planned, with plan.torque_bounds and plan.momentum_bounds"
+    raise InvalidScenario([Problem(scenario.path, None, key, value, need, remedy)])
+
+
+def plan_parameters(scenario: Scenario) -> PlanParameters:
+    """Return the group ``plan`` of what plans (`planning_section`).
+
+    Raises
+    ------
+    InvalidScenario
+        If nothing plans.
+    """
+    controller = planning_section(scenario) == _CONTROLLER
+    return scenario.controller.plan if controller else scenario.governor.plan
+
+
+def real_limits(scenario: Scenario) -> Array:
+    """Return lower and upper torque [N m], lower and upper momentum [N m s] (4, 3), componentwise.
+
+    Infinite where there is none.
+
+    Raises
+    ------
+    InvalidScenario
+        If nothing plans, or a bound is none.
+    """
+    plan = plan_parameters(scenario)
+    torque = _pair(scenario, "plan.torque_bounds", plan.torque_bounds)
+    momentum = _pair(scenario, "plan.momentum_bounds", plan.momentum_bounds)
+    return read_only(np.vstack([torque, momentum]))
+
+
+def planned_limits(scenario: Scenario) -> Array:
+    """Return the bounds of the plan (4, 3): those of `real_limits`, less the reserves.
+
+    Raises
+    ------
+    InvalidScenario
+        As `real_limits`.
+    """
+    plan = plan_parameters(scenario)
+    kept = 1.0 - np.array([plan.torque_reserve, plan.momentum_reserve])
+    return read_only(real_limits(scenario) * kept.repeat(2)[:, None])
+
+
+def planned_steps(scenario: Scenario) -> int:
+    """Return N, the control periods of ``plan.duration``.
+
+    Raises
+    ------
+    InvalidScenario
+        If nothing plans, or the duration is no whole number of periods.
+    """
+    duration, period = plan_parameters(scenario).duration, scenario.period
+    steps = round(duration / period)
+    if steps >= 2 and abs(steps * period - duration) <= _ROUNDING * duration:
+        return steps
+    need = f"a whole number of control periods of {period:g} s, two or more"
+    remedy = f"give {max(steps, 2) * period:.12g}"
+    raise _refused(scenario, "plan.duration", f"{duration!r} s", need, remedy)
+
+
+def transfer_of(scenario: Scenario) -> AttitudeTransfer:
+    """Return the transfer from the plant's start to the governor's target, at rest there.
+
+    Raises
+    ------
+    InvalidScenario
+        If nothing plans, the inertia is not known, a bound or the duration is refused, or the first
+        momentum lies outside the planned bounds.
+    """
+    from spacecraft_gnc.ocp.transfer import AttitudeTransfer
+
+    plant, limits = scenario.plant, planned_limits(scenario)
+    inertia = known_inertia(scenario, _CONTROLLER, scenario.controller.inertia)
+    n_steps = planned_steps(scenario)
+    _require_start(scenario, limits)
+    try:
+        return AttitudeTransfer(
+            body=RigidBody(inertia, scenario.period),
+            n_steps=n_steps,
+            start=lie.exp(plant.initial_rotation_vector),
+            goal=lie.exp(scenario.governor.target_rotation_vector),
+            start_momentum=plant.initial_momentum,
+            torque=(limits[0], limits[1]),
+            momentum=(limits[2], limits[3]),
+        )
+    except GncError as error:
+        problem = problem_of(error, scenario.path, planning_section(scenario), ())
+        if problem is None:
+            raise
+        key = _KEYS.get(str(error).partition(":")[0], "")
+        raise InvalidScenario([replace(problem, key=key or problem.key)]) from error
+
+
+_KEYS: Final = {
+    "inertia": "nmpc_controller.inertia",
+    "start_momentum": "plant.initial_momentum",
+}
+
+
+def _pair(scenario: Scenario, name: str, given: Array) -> Array:
+    """Return bounds as (2, 3), lower and upper: of none, 1, 3 or 6 numbers."""
+    if given.size == 0:
+        return np.array([[-np.inf] * 3, [np.inf] * 3])
+    if given.size in (1, 3):
+        pair = np.array([np.broadcast_to(-given, (3,)), np.broadcast_to(given, (3,))])
+    elif given.size == 6:
+        pair = given.reshape(2, 3)
+    else:
+        need = "1 number, 3 (one an axis) or 6 (lower three, upper three)"
+        raise _refused(scenario, name, f"{given.size} numbers", need, "give one of these")
+    if ((pair[0] < 0.0) & (pair[1] > 0.0)).all():
+        return pair
+    need = "bounds that zero lies within: lower ones below it, upper ones above"
+    raise _refused(
+        scenario, name, f"{given.tolist()}", need, "give positive numbers, .inf for no bound"
+    )
+
+
+def _require_start(scenario: Scenario, limits: Array) -> None:
+    """Refuse a first momentum outside the bounds of the plan."""
+    momentum = scenario.plant.initial_momentum
+    if ((limits[2] <= momentum) & (momentum <= limits[3])).all():
+        return
+    low, high = limits[2].tolist(), limits[3].tolist()
+    reserve = plan_parameters(scenario).momentum_reserve
+    less = f" less plan.momentum_reserve, {reserve:g}" if reserve else ""
+    need = f"within {low} to {high} N m s (plan.momentum_bounds{less})"
+    value, remedy = f"{momentum.tolist()}", "start slower, or widen the bounds"
+    key = "plant.initial_momentum"
+    raise InvalidScenario([Problem(scenario.path, None, key, value, need, remedy)])
+
+
+def _refused(scenario: Scenario, name: str, value: str, need: str, remedy: str) -> InvalidScenario:
+    key = f"{planning_section(scenario)}.{name}"
+    return InvalidScenario([Problem(scenario.path, None, key, value, need, remedy)])
