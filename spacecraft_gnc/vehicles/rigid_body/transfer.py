@@ -7,19 +7,20 @@ scenario less a reserve, which is left to what tracks the plan.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.errors import GncError, ParameterError, RecordingError
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, problem_of
 from spacecraft_gnc.types import Array, read_only
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 
 if TYPE_CHECKING:  # the solver's kernels are not needed to read parameters
-    from spacecraft_gnc.ocp.transfer import AttitudeTransfer
+    from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolution
     from spacecraft_gnc.vehicles.rigid_body.parameters.plan import PlanParameters
 
 _ROUNDING: Final = 1e-9  # relative, of a duration in periods
@@ -133,6 +134,68 @@ def transfer_of(scenario: Scenario) -> AttitudeTransfer:
             raise
         key = _KEYS.get(str(error).partition(":")[0], "")
         raise InvalidScenario([replace(problem, key=key or problem.key)]) from error
+
+
+def first_plan(scenario: Scenario) -> TransferSolution:
+    """Return the plan that a flight begins with: the one of ``plan.file``, else that is found.
+
+    Raises
+    ------
+    InvalidScenario
+        As `transfer_of`; if the file cannot be read or is a plan of another transfer; or if no plan
+        is found, with the shortest time for which one is.
+    """
+    from spacecraft_gnc.ocp.transfer import TransferSolver
+
+    problem, plan = transfer_of(scenario), plan_parameters(scenario)
+    if plan.file:
+        return _stored(scenario, problem, plan.file)
+    solution = TransferSolver(starts=plan.starts).solve(problem)
+    if not solution.converged:
+        raise InvalidScenario([too_short(scenario, solution)])
+    return solution
+
+
+def too_short(scenario: Scenario, solution: TransferSolution) -> Problem:
+    """Return why no plan was found, with the shortest time for which one is."""
+    from spacecraft_gnc.ocp.transfer import (
+        TransferSolver,
+        shortest_possible_steps,
+        shortest_transfer,
+    )
+
+    problem, key = solution.problem, f"{planning_section(scenario)}.plan.duration"
+    h, starts = problem.body.time_step, plan_parameters(scenario).starts
+    proven = shortest_possible_steps(problem)
+    least = f"no torque within the bounds makes it in less than {proven * h:.6g} s"
+    value = f"{problem.duration:.6g} s, in which no plan was found"
+    if proven <= problem.n_steps:
+        value += f" from {len(solution.tried)} starts"
+    try:
+        shortest = shortest_transfer(problem, TransferSolver(starts=starts))
+    except ParameterError:
+        need, remedy = f"a transfer within the bounds ({least})", "widen them"
+    else:
+        need = f"at least {shortest.problem.duration:.6g} s, the shortest found ({least})"
+        remedy = "lengthen it, or widen the bounds"
+    return Problem(scenario.path, None, key, value, need, remedy)
+
+
+def _stored(scenario: Scenario, problem: AttitudeTransfer, name: str) -> TransferSolution:
+    """Return the plan of a file, beside the scenario's."""
+    from spacecraft_gnc.vehicles.rigid_body.plan_file import difference, load_plan
+
+    path = Path(scenario.path).parent / name
+    try:
+        found = load_plan(path).solution
+        differing = difference(found.problem, problem)
+    except RecordingError as error:
+        differing = str(error).removeprefix(f"{path}: ").partition("; required")[0]
+    if differing:
+        need = "a plan of this scenario's transfer"
+        remedy = f"write it: gnc plan {scenario.path} --out {path}"
+        raise _refused(scenario, "plan.file", f"{name!r} ({differing})", need, remedy)
+    return found
 
 
 _KEYS: Final = {
