@@ -19,6 +19,7 @@ from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 
 if TYPE_CHECKING:  # numba takes 64 MB, which a node without a governor law spares
     from spacecraft_gnc.governors.attitude import AttitudeGovernor
+    from spacecraft_gnc.governors.planned.governor import PlannedGovernor
     from spacecraft_gnc.governors.prediction import Planner
     from spacecraft_gnc.governors.reference_set import ReferenceSet
 
@@ -91,6 +92,20 @@ def stored_trajectory(scenario: Scenario) -> StoredTrajectory:
         scenario.period,
         plant_step=scenario.plant.time_step,
     )
+
+
+def planned(scenario: Scenario) -> PlannedGovernor:
+    """Return the governor ``planned`` of a scenario.
+
+    Raises
+    ------
+    GncError
+        If a parameter is refused, or no plan is found from the start to the target.
+    """
+    from spacecraft_gnc.governors.planned.governor import PlannedGovernor
+    from spacecraft_gnc.vehicles.rigid_body.planning import guard_of, keeper_of
+
+    return PlannedGovernor(keeper_of(scenario, guard_of(scenario)))
 
 
 def reference_set_of(scenario: Scenario) -> ReferenceSet:
