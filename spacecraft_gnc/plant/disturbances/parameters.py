@@ -13,17 +13,21 @@ from spacecraft_gnc.plant.disturbances.gravity_gradient import (
     GravityGradientParameters,
 )
 from spacecraft_gnc.plant.disturbances.noise import NoiseParameters, NoiseTorque
+from spacecraft_gnc.plant.disturbances.push import Push, PushParameters
 
 BUILT_IN: Final[Mapping[str, Any]] = {
     "constant": ConstantTorque,
     "gravity_gradient": GravityGradient,
     "noise": NoiseTorque,
+    "push": Push,
 }
 """Classes with a class method ``from_parameters(parameters, inertia)``."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class DisturbanceParameters(NoiseParameters, GravityGradientParameters, ConstantParameters):
+class DisturbanceParameters(
+    PushParameters, NoiseParameters, GravityGradientParameters, ConstantParameters
+):
     """What the section of a plant with disturbances adds to it."""
 
     disturbances: tuple[str, ...] = parameter(
