@@ -129,7 +129,9 @@ class Controller(Protocol[S_contra, R_contra]):
     slow: bool
     """Whether a command may take longer than some milliseconds: a node then computes it in a
     thread of its own, and never two at a time. A class may also declare its ``traits``
-    (`vehicles.vehicle.MethodTraits`)."""
+    (`vehicles.vehicle.MethodTraits`). One that computes something beside its commands, in a thread
+    of its own, has an attribute ``waits``: whether a step waits for what is due at it, which makes
+    flights repeatable; a node that keeps to wall time sets it to false."""
 
     def warm_up(self) -> None:
         """Compile or load everything that `command` needs."""
@@ -149,7 +151,7 @@ class Governor(Protocol[S_contra, R]):
     says ``moves = True`` (`vehicles.vehicle.GovernorLaw`)."""
     slow: bool
     """Whether a decision may take longer than some milliseconds: a node then makes it in a thread
-    of its own, and never two at a time."""
+    of its own, and never two at a time. ``waits`` is that of a `Controller`."""
 
     @property
     def target(self) -> R:

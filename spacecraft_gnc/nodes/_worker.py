@@ -7,10 +7,11 @@ from collections.abc import Callable
 from functools import partial
 from queue import SimpleQueue
 from threading import Thread
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 from spacecraft_gnc.errors import GncError, LaunchError
 from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.scenario import Scenario
 
 _PATIENCE = 2.0  # [s] wall time granted to a job at the end; less than a launcher grants a node
 
@@ -110,3 +111,9 @@ class Worker(Generic[Job, Result]):
         if not isinstance(error, GncError):
             self._node.get_logger().error("".join(traceback.format_exception(error)))
         self._node.fail(error)
+
+
+def pace_core(core: Any, scenario: Scenario) -> None:
+    """Have a controller or governor in free run wait for nothing (`loop.protocols.Controller`)."""
+    if scenario.plant.mode == "free_run" and hasattr(core, "waits"):
+        core.waits = False

@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from spacecraft_gnc.loop.protocols import Command
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.nodes._worker import Worker
+from spacecraft_gnc.nodes._worker import Worker, pace_core
 from spacecraft_gnc.ros.graph_of import outputs_of, vehicle_signals
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.signals import Refused, Signal
@@ -51,6 +51,7 @@ class ControllerNode(GncNode):
     def build(self, scenario: Scenario) -> None:
         """Build the controller and load its kernels."""
         self._controller = scenario.build_controller()
+        pace_core(self._controller, scenario)
         self._controller.warm_up()
         self._worker: Worker[_Job, Command] | None = None
         self._period_ns = period_ns(self._controller.period)

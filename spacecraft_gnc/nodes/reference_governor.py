@@ -15,7 +15,7 @@ from spacecraft_gnc.nodes._governor_watch import GovernorWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._slew_server import Answer, SlewServer
-from spacecraft_gnc.nodes._worker import Worker
+from spacecraft_gnc.nodes._worker import Worker, pace_core
 from spacecraft_gnc.ros.graph_of import outputs_of, vehicle_signals
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.signals import Message, Refused, Signal
@@ -66,6 +66,7 @@ class GovernorNode(GncNode):
     def build(self, scenario: Scenario) -> None:
         """Build the governor and load its kernels."""
         self._governor = scenario.build_governor()
+        pace_core(self._governor, scenario)
         self._governor.warm_up()
         self._worker: Worker[_Job, Any] | None = None
         self._has_announced = False

@@ -45,10 +45,10 @@ def reference_of(
     Assumption: a step of the body turns by less than a quarter of a turn.
     """
     h, J = body.time_step, body.inertia
-    mean = np.linalg.solve(J, momentum - 0.5 * h * torque)
+    mean: Array = np.asarray(np.linalg.solve(J, momentum - 0.5 * h * torque))
     size = float(np.linalg.norm(mean))
     angle = math.asin(min(h * size, 1.0))
-    rate = mean * (angle / (h * size)) if size > 0.0 else np.zeros(3)
+    rate = mean * (angle / (h * size) if size > 0.0 else 0.0)
     half = math.sin(0.5 * angle) / (0.5 * angle) if angle > 0.0 else 1.0
     gyroscopic = np.cross(rate, J @ rate)
     return Reference(attitude, read_only(rate), read_only(torque + (1.0 - half**2) * gyroscopic))

@@ -8,6 +8,7 @@ from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.plant.disturbances.checks import check_disturbances
 from spacecraft_gnc.vehicles.rigid_body.checks.body import check_inertia, check_momentum
 from spacecraft_gnc.vehicles.rigid_body.checks.method import check_method
+from spacecraft_gnc.vehicles.rigid_body.checks.planned import check_planned
 from spacecraft_gnc.vehicles.rigid_body.checks.pointing import check_pointing
 from spacecraft_gnc.vehicles.rigid_body.checks.reference import check_reference
 from spacecraft_gnc.vehicles.rigid_body.checks.target import check_target
@@ -22,6 +23,7 @@ def check(checked: Checked) -> None:
     check_pointing(checked)
     check_target(checked)
     check_reference(checked)
+    check_planned(checked)
     check_torque(checked)
     inertia = checked.get("plant", "inertia")
     if inertia:

@@ -15,7 +15,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers import terminal_set
 from spacecraft_gnc.vehicles.rigid_body.controllers.neighboring_extremal import (
     NeighboringParameters,
 )
-from spacecraft_gnc.vehicles.rigid_body.governors.laws import NONE, STORED, TURNING
+from spacecraft_gnc.vehicles.rigid_body.governors.laws import NONE, PLANNED, STORED, TURNING
 
 _CONTROLLER: Final = "nmpc_controller"
 _GOVERNOR: Final = "reference_governor"
@@ -25,7 +25,7 @@ _TABLE: Final = ("times", "rotation_vectors", "angular_velocities")
 def check_reference(checked: Checked) -> None:
     """Add a problem for each reason why a moving reference could not be flown."""
     law = own_law(checked)
-    if law is None or not law.moves:
+    if law is None or not (law.moves or law is PLANNED):
         return
     _check_method(checked, law.name)
     if law is TURNING and checked.get(_GOVERNOR, "reference_rate") == [0.0, 0.0, 0.0]:

@@ -17,7 +17,7 @@ from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     options_of,
     problem_of,
 )
-from spacecraft_gnc.vehicles.rigid_body.planning import guard_of, keeper_of
+from spacecraft_gnc.vehicles.rigid_body.plan_keeper import guard_of, keeper_of
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 
