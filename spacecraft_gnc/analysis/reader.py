@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from spacecraft_gnc.analysis.plan_file import refuse_plan
 from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.analysis.vehicle import part, require_vehicle
 from spacecraft_gnc.audit.evidence import Progress
@@ -54,10 +55,11 @@ def load_run(
     Raises
     ------
     RecordingError
-        If it is none of these, or damaged.
+        If it is none of these, or damaged; or if it holds a plan, no flight.
     """
     path = Path(path)
     if is_npz(path):
+        refuse_plan(path)
         return _read_npz(path, namespace)
     return read_flight(
         path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress

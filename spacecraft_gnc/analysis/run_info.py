@@ -30,6 +30,8 @@ class RunInfo:
         The same as recorded.
     scenario_problem
         Why this version refuses the recorded scenario; empty if it does not.
+    is_plan
+        Whether it is a plan of ``gnc plan``, not a flight.
     namespace
         Of the spacecraft, as the reader was told; None: the only one in the bag.
     unfinished
@@ -48,6 +50,7 @@ class RunInfo:
     scenario: Scenario | None = None
     scenario_text: str = ""
     scenario_problem: str = ""
+    is_plan: bool = False
     namespace: str | None = None
     unfinished: bool = False
     missing: Mapping[str, tuple[int, ...]] = field(default_factory=dict)

@@ -41,6 +41,9 @@ COMMANDS: Final = {
     "check": _Command(
         f"{_PACKAGE}.check:check", "Check a scenario file; list every problem at once."
     ),
+    "plan": _Command(
+        f"{_PACKAGE}.plan:plan", "Plan the optimal transfer of a scenario, within its bounds."
+    ),
     "campaign": _Command(
         f"{_PACKAGE}.campaign:campaign", "Fly a scenario many times, varied; count what succeeds."
     ),

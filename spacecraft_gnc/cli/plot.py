@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.analysis.flown import Flown
     from spacecraft_gnc.cli._progress import Progress
     from spacecraft_gnc.drawing.figures import Maker
-    from spacecraft_gnc.drawing.vehicle import VehicleFigures
+    from spacecraft_gnc.scenario import Scenario
 
 
 class Format(str, Enum):
@@ -50,8 +50,8 @@ SourcesArgument = Annotated[
     list[Path],
     typer.Argument(
         metavar="RUN",
-        help="Folder of a launch, bag folder, .mcap file, or .npz of gnc simulate; several are "
-        "drawn over each other.",
+        help="Folder of a launch, bag folder, .mcap file, or .npz of gnc simulate or gnc plan; "
+        "several are drawn over each other.",
     ),
 ]
 OnlyOption = Annotated[
@@ -121,13 +121,10 @@ def plot(
     as_json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Draw the figures of a flight for print, or of several flights over each other."""
-    from spacecraft_gnc.analysis.flown import flown
-    from spacecraft_gnc.analysis.metrics import summarize
-    from spacecraft_gnc.analysis.reader import load_run
+    """Draw the figures of a flight or plan for print, or of several over each other."""
+    from spacecraft_gnc.analysis.plans import figures_part
     from spacecraft_gnc.analysis.run_info import UNKNOWN_SCENARIO
     from spacecraft_gnc.analysis.run_names import run_names
-    from spacecraft_gnc.analysis.vehicle import common_part
 
     given = given_scenario(scenario, namespace)
     require_folder(out)
@@ -135,21 +132,15 @@ def plot(
         require_writable(animate, ".gif", "--animate")
         _require_alone(out, only)
     with show_progress("reading", silent=quiet) as progress:
-        flights = [
-            load_run(path, namespace=namespace, allow_unfinished=unfinished) for path in sources
-        ]
-        known = [known_scenario(flight.info, given) for flight in flights]
         runs = [
-            flown(name, flight, scenario, allow_unfinished=unfinished)
-            for name, flight, scenario in zip(run_names(sources), flights, known, strict=True)
+            _read(name, path, given, namespace, allow_unfinished=unfinished)
+            for name, path in zip(run_names(sources), sources, strict=True)
         ]
         named = [run.name for run in runs]
         if animate is not None:
             progress(0, 1, "drawing the moving picture")
             heading = " and ".join(named) if title is None else title
-            common_part("figures", [run.scenario for run in runs]).animate(
-                runs, animate, title=heading
-            )
+            figures_part(runs).animate(runs, animate, title=heading)
             files = [animate]
         else:
             makers = _makers(runs, title, error_scale.value)
@@ -160,10 +151,10 @@ def plot(
     for run in runs:
         for warning in run.info.warnings():
             print(f"warning: {warning}", file=sys.stderr)
-        if run.scenario is None and not quiet:
+        if run.scenario is None and not (quiet or run.info.is_plan):
             print(f"note: {run.info.path}: {UNKNOWN_SCENARIO}", file=sys.stderr)
     if as_json:
-        metrics = {run.name: summarize(run.trajectory, run.scenario) for run in runs}
+        metrics = {run.name: _metrics(run) for run in runs}
         described = (
             {"runs": metrics} if len(runs) > 1 else {"metrics": next(iter(metrics.values()))}
         )
@@ -172,6 +163,36 @@ def plot(
     elif not quiet:
         for file in files:
             print(file)
+
+
+def _read(
+    name: str,
+    path: Path,
+    given: Scenario | None,
+    namespace: str | None,
+    *,
+    allow_unfinished: bool,
+) -> Flown:
+    """Return a flight with its telemetry, or a plan."""
+    from spacecraft_gnc.analysis.flown import flown
+    from spacecraft_gnc.analysis.plan_file import is_plan
+    from spacecraft_gnc.analysis.plans import read_plan
+    from spacecraft_gnc.analysis.reader import load_run
+
+    if is_plan(path):
+        return read_plan(name, path)
+    flight = load_run(path, namespace=namespace, allow_unfinished=allow_unfinished)
+    scenario = known_scenario(flight.info, given)
+    return flown(name, flight, scenario, allow_unfinished=allow_unfinished)
+
+
+def _metrics(run: Flown) -> dict[str, Any]:
+    from spacecraft_gnc.analysis.metrics import summarize
+    from spacecraft_gnc.analysis.plans import planner_of
+
+    if run.info.is_plan:
+        return planner_of(run.scenario).numbers(run.trajectory)
+    return summarize(run.trajectory, run.scenario)
 
 
 def _require_alone(out: Path | None, only: list[str] | None) -> None:
@@ -204,9 +225,9 @@ def _drawn(
 
 def _makers(runs: list[Flown], title: str | None, error_scale: str) -> dict[str, Maker]:
     """Return what draws each figure, by name."""
-    from spacecraft_gnc.analysis.vehicle import common_part
+    from spacecraft_gnc.analysis.plans import figures_part
 
-    figures: VehicleFigures = common_part("figures", [run.scenario for run in runs])
+    figures = figures_part(runs)
     if len(runs) > 1:
         return figures.comparison(runs, error_scale=error_scale)
     heading = runs[0].name if title is None else title

@@ -30,8 +30,8 @@ SourcesArgument = Annotated[
     list[Path],
     typer.Argument(
         metavar="BAG|FILE.npz",
-        help="Bag folder, .mcap file, or .npz of gnc simulate; several are compared with the "
-        "first.",
+        help="Bag folder, .mcap file, or .npz of gnc simulate or gnc plan; several are compared "
+        "with the first.",
         readable=False,
     ),
 ]

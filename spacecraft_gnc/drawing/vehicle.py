@@ -1,4 +1,4 @@
-"""Protocols of a vehicle's own part of the report and of the figures for print."""
+"""Protocols of a vehicle's own part of the report, of the figures for print, and of its plans."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
     from spacecraft_gnc.drawing.figures import Maker
+    from spacecraft_gnc.parameters.problems import Problem
     from spacecraft_gnc.recording.bag import Bag
 
 
@@ -81,3 +82,36 @@ class VehicleFigures(Protocol):
 
     def animate(self, runs: Sequence[Any], path: Path, *, title: str = "") -> None:
         """Write a moving picture of flights side by side."""
+
+
+class VehiclePlanner(Protocol):
+    """Planning of transfers. A plan has ``n_steps``, ``period`` and ``time``, as a flight has."""
+
+    @property
+    def report(self) -> VehicleReport:
+        """The part of a page whose runs are plans."""
+
+    @property
+    def figures(self) -> VehicleFigures:
+        """Figures of such runs."""
+
+    def solve(self, scenario: Any, *, shortest: bool = False) -> Any:
+        """Return the plan of a scenario, or the one of the shortest time for which one is found."""
+
+    def refusal(self, scenario: Any, plan: Any) -> Problem | None:
+        """Return why it is none to fly; None where it is one."""
+
+    def numbers(self, plan: Any) -> dict[str, Any]:
+        """Return it in numbers, by name: the metrics of a run."""
+
+    def summary(self, numbers: dict[str, Any]) -> list[tuple[str, str]]:
+        """Return what to say of these, (label, text) by line."""
+
+    def checks(self, plan: Any) -> tuple[tuple[str, str, str, str, str], ...]:
+        """Return name, steps, largest violation, tolerance and verdict of each condition."""
+
+    def save(self, path: Path, plan: Any, scenario: str, defaults: str) -> None:
+        """Write a plan, with the texts of its scenario and of the defaults that it took."""
+
+    def load(self, path: Path) -> tuple[Any, str, str]:
+        """Read a plan, and these texts."""

@@ -180,6 +180,9 @@ class Vehicle:
     warmup: Lazy | None = None
     """Pair of functions: one yields short flights, by section, that compile the vehicle's kernels;
     one takes the first of these scenarios, and compiles what no flight needs."""
+    planner: Lazy | None = None
+    """Planner of its transfers for ``gnc plan``, and reader of plans
+    (`drawing.vehicle.VehiclePlanner`)."""
     outlook: Lazy | None = None
     """Function of a scenario and of whether it is cut short on purpose: the `Outlook`."""
     facts: Lazy | None = None

@@ -4,13 +4,30 @@ from __future__ import annotations
 
 import html
 from collections.abc import Iterable, Sequence
+from typing import Final
 
+from spacecraft_gnc.analysis.plans import report_part
 from spacecraft_gnc.analysis.report import tables
 from spacecraft_gnc.analysis.report.runs import Run
-from spacecraft_gnc.analysis.vehicle import common_part
 from spacecraft_gnc.drawing.envelope import budget, per_interval
 from spacecraft_gnc.drawing.page import chart_sections, filled_page
-from spacecraft_gnc.drawing.vehicle import VehicleReport
+
+_FLIGHT_WORDS: Final = {
+    "diamonds": "the reference",
+    "audit_link": "Audit",
+    "audit_heading": "Audit: integrated and certified again",
+    "scenario_heading": "Scenario as flown",
+    "recording_link": "Recording",
+    "recording_heading": "Recording: host, versions, losses",
+}
+_PLAN_WORDS: Final = {
+    "diamonds": "the goal",
+    "audit_link": "Conditions",
+    "audit_heading": "Conditions of the optimum",
+    "scenario_heading": "Scenario as planned",
+    "recording_link": "File",
+    "recording_heading": "File",
+}
 
 
 def report_html(runs: Sequence[Run], title: str = "") -> str:
@@ -24,11 +41,12 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
         Heading; default: the names of the runs.
     """
     points = budget(len(runs))
-    vehicle: VehicleReport = common_part("report", [run.scenario for run in runs])
+    vehicle = report_part(runs)
+    planned = runs[0].info.is_plan
     charts = list(vehicle.charts(runs, points))
     view, note = vehicle.scene(runs, points)
     parts = {
-        "kind": "Flight report",
+        "kind": "Plan" if planned else "Flight report",
         "title": html.escape(title or ", ".join(run.name for run in runs)),
         "several": "several" if len(runs) > 1 else "",
         "warnings": tables.warnings(runs),
@@ -41,6 +59,7 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
         "scenarios": tables.scenarios(runs),
         "recordings": tables.recordings(runs),
     }
+    parts |= _PLAN_WORDS if planned else _FLIGHT_WORDS
     data = {"charts": [chart.data() for chart in charts], "view": view}
     return filled_page(__package__, "report", parts, data, vehicle.scene_script())
 

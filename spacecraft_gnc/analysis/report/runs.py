@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from spacecraft_gnc.analysis.flown import Flown, flown
 from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.analysis.plan_file import is_plan
+from spacecraft_gnc.analysis.plans import planner_of, read_plan, report_part
 from spacecraft_gnc.analysis.reader import load_run
 from spacecraft_gnc.analysis.run_info import UNKNOWN_SCENARIO
 from spacecraft_gnc.analysis.vehicle import part
@@ -36,10 +38,10 @@ class Run(Flown):
     def warnings(self) -> list[str]:
         """Return what a reader should know before trusting the curves, one line each."""
         lines = [line.removeprefix(f"{self.info.path}: ") for line in self.info.warnings()]
-        lines += part("report", self.scenario).warnings(self)
+        lines += report_part([self]).warnings(self)
         if self.verdict.passed is False:
             lines.append(f"the audit failed: {self.verdict.text}")
-        if self.scenario is None:
+        if self.scenario is None and not self.info.is_plan:
             lines.append(UNKNOWN_SCENARIO)
         return lines
 
@@ -53,12 +55,12 @@ def read_run(
     allow_unfinished: bool = False,
     progress: Watch | None = None,
 ) -> Run:
-    """Read a run, and audit it.
+    """Read a run, and audit it; of a plan, evaluate its conditions.
 
     Parameters
     ----------
     path
-        Bag folder, .mcap file, or .npz file of ``gnc simulate --out``.
+        Bag folder, .mcap file, or .npz file of ``gnc simulate --out`` or ``gnc plan --out``.
     name
         How the report calls it.
     scenario
@@ -75,6 +77,8 @@ def read_run(
     RecordingError
         If it cannot be read.
     """
+    if is_plan(path):
+        return _read_plan(path, name)
     flight = load_run(path, namespace=namespace, allow_unfinished=allow_unfinished)
     known = flight.info.scenario or scenario
     part("report", known)  # refuses a vehicle without one
@@ -84,7 +88,19 @@ def read_run(
         path, namespace=namespace, allow_unfinished=allow_unfinished, progress=progress
     )
     return Run(
-        **{item.name: getattr(run, item.name) for item in fields(run)},
+        **_fields(run),
         metrics=summarize(run.trajectory, known) | missed,
         verdict=verdict,
     )
+
+
+def _read_plan(path: Path, name: str) -> Run:
+    run = read_plan(name, path)
+    planner = planner_of(run.scenario)
+    text = "the conditions of the optimum, evaluated from the numbers in the file"
+    verdict = Verdict(True, text, planner.checks(run.trajectory))
+    return Run(**_fields(run), metrics=planner.numbers(run.trajectory), verdict=verdict)
+
+
+def _fields(run: Flown) -> dict[str, Any]:
+    return {item.name: getattr(run, item.name) for item in fields(run)}

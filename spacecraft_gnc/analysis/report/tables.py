@@ -17,8 +17,9 @@ def summary(runs: Sequence[Run], rows: Sequence[Row]) -> str:
     """Return the table of metrics, one column for each run; later ones with the difference."""
     head = "".join(f'<th scope="col">{_text(run.name)}</th>' for run in runs)
     lines = [f'<thead><tr><th scope="col">Metric</th>{head}</tr></thead><tbody>']
-    lines += [_line("Flown by", [_method(run) for run in runs])]
-    lines += [_line("Audit", [_badge(run) for run in runs])]
+    if not runs[0].info.is_plan:
+        lines += [_line("Flown by", [_method(run) for run in runs])]
+        lines += [_line("Audit", [_badge(run) for run in runs])]
     for row in rows:
         if row.is_shown(runs):
             unit = f" <span class=unit>[{row.unit}]</span>" if row.unit else ""

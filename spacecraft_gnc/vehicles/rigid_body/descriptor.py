@@ -32,6 +32,7 @@ VEHICLE: Final = Vehicle(
     defaults=_lazy("parameters.defaults:formulas"),
     former_defaults=_lazy("parameters.former:former_defaults"),
     facts=_lazy("facts:facts"),
+    planner=_lazy("planning:PLANNER"),
     outlook=_lazy("outlook:outlook"),
     revision=_lazy("revision:without_start_and_target"),
     warmup=_lazy("warmup:WARMUP"),

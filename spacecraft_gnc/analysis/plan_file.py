@@ -1,0 +1,45 @@
+"""Files of ``gnc plan``, told from those of flights by a member that no flight has."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from spacecraft_gnc.errors import RecordingError
+
+_VEHICLE: Final = "plan_of.npy"
+
+
+def is_plan(path: Path) -> bool:
+    """Tell whether a file is one of ``gnc plan``."""
+    return bool(vehicle_in(path))
+
+
+def refuse_plan(path: Path) -> None:
+    """Refuse a plan where a flight is to be read.
+
+    Raises
+    ------
+    RecordingError
+        If the file holds a plan.
+    """
+    if is_plan(path):
+        raise RecordingError(
+            f"{path}: received a plan; required a flight, which has commands and states; fly it "
+            "(nmpc_controller.plan.file), or see it with gnc report or gnc plot"
+        )
+
+
+def vehicle_in(path: Path) -> str:
+    """Return the vehicle that a file is a plan of; empty where it is none."""
+    try:
+        with path.open("rb") as stream, zipfile.ZipFile(stream) as members:
+            if _VEHICLE not in members.namelist():
+                return ""
+            with members.open(_VEHICLE) as member:
+                return str(np.lib.format.read_array(member, allow_pickle=False))
+    except (OSError, ValueError, zipfile.BadZipFile):
+        return ""  # whoever reads it says what is wrong

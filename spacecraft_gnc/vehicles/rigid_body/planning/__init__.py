@@ -1,0 +1,72 @@
+"""Planning of a rigid body's transfers for ``gnc plan``, and the reading of its plans."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.parameters.problems import Problem
+from spacecraft_gnc.vehicles.rigid_body.planning.plan import Plan, numbers
+from spacecraft_gnc.vehicles.rigid_body.planning.rows import checks, summary_rows
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters, too_short, transfer_of
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.vehicles.rigid_body.planning.figures import PlanFigures
+    from spacecraft_gnc.vehicles.rigid_body.planning.report import PlanReport
+
+
+class RigidBodyPlanner:
+    """Implements `drawing.vehicle.VehiclePlanner`."""
+
+    numbers = staticmethod(numbers)
+    summary = staticmethod(summary_rows)
+    checks = staticmethod(checks)
+
+    @property
+    def report(self) -> PlanReport:
+        """The part of a page that shows plans."""
+        from spacecraft_gnc.vehicles.rigid_body.planning.report import PlanReport
+
+        return PlanReport()
+
+    @property
+    def figures(self) -> PlanFigures:
+        """Figures of plans for print."""
+        from spacecraft_gnc.vehicles.rigid_body.planning.figures import PlanFigures
+
+        return PlanFigures()
+
+    def solve(self, scenario: Scenario, *, shortest: bool = False) -> Plan:
+        """Return the plan of a scenario; or the one of the shortest time, where any is found."""
+        from spacecraft_gnc.ocp.transfer import TransferSolver, shortest_transfer
+
+        problem = transfer_of(scenario)
+        solver = TransferSolver(starts=plan_parameters(scenario).starts)
+        if not shortest:
+            return Plan(solver.solve(problem))
+        try:
+            return Plan(shortest_transfer(problem, solver), is_shortest=True)
+        except ParameterError:  # in no time: that of the scenario says what was tried
+            return Plan(solver.solve(problem))
+
+    def refusal(self, scenario: Scenario, plan: Plan) -> Problem | None:
+        """Return why there is no plan; None where there is."""
+        return None if plan.solution.converged else too_short(scenario, plan.solution)
+
+    def save(self, path: Path, plan: Plan, scenario: str, defaults: str) -> None:
+        """Write a plan, with the texts of its scenario and of the defaults that it took."""
+        from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
+
+        save_plan(path, plan.solution, scenario, defaults)
+
+    def load(self, path: Path) -> tuple[Plan, str, str]:
+        """Read a plan, and these texts."""
+        from spacecraft_gnc.vehicles.rigid_body.plan_file import load_plan
+
+        found = load_plan(path)
+        return Plan(found.solution), found.scenario, found.defaults
+
+
+PLANNER: Final[Any] = RigidBodyPlanner()
