@@ -210,7 +210,7 @@ def test_shortest_transfer_is_no_shorter_than_the_bound():
     assert best.converged
     # At full torque there and back: angle = u T^2 / (4 J), 5.28 s.
     assert best.problem.duration == pytest.approx(2.0 * np.sqrt(np.radians(10.0) * 40.0), abs=0.1)
-    assert best.problem.n_steps >= shortest_possible_steps(problem)
+    assert best.problem.n_steps >= shortest_possible_steps(problem) >= 52
 
 
 @pytest.mark.parametrize("index", range(0, 40, 4))
