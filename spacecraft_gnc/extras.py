@@ -19,8 +19,8 @@ _NEEDS: Final = {
     "rclpy": _ROS,
     "rcl_interfaces": _ROS,
     "builtin_interfaces": _ROS,
-    "casadi": "solver: ipopt needs CasADi: pip install 'spacecraft_gnc[reference]', or choose "
-    "solver: sqp",
+    "casadi": "solver: ipopt and the baselines of studies need CasADi: pip install "
+    "'spacecraft_gnc[reference]', or choose solver: sqp, or --no-baselines",
     "distributed": "gnc campaign needs dask.distributed: pip install 'spacecraft_gnc[campaign]'",
     "foxglove": "--foxglove needs foxglove-sdk: pip install 'spacecraft_gnc[view]', or leave "
     "--foxglove out for the page that needs nothing",

@@ -66,7 +66,7 @@ def may_import(path: str, library: str) -> bool:
     if library in ("matplotlib", "plotly", "pyarrow", "foxglove"):
         return layer in ("analysis", "campaign", "drawing", "vehicles", "studies")
     if library == "casadi":
-        return path == "vehicles/two_wheel/ocp/nlp.py"
+        return path in ("vehicles/two_wheel/ocp/nlp.py", "studies/phogat_ipopt.py")
     return library not in ("dask", "distributed") or layer == "campaign"
 
 

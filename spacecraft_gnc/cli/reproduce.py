@@ -25,7 +25,7 @@ NameArgument = Annotated[
     str | None,
     typer.Argument(
         metavar="NAME",
-        help="gupta2015, bagherzadeh2023, kalabic2014 or afrl2016.  [default: all]",
+        help="gupta2015, bagherzadeh2023, kalabic2014, afrl2016 or phogat.  [default: all]",
     ),
 ]
 ResultOption = Annotated[

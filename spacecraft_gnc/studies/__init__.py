@@ -20,6 +20,7 @@ PAPERS: Final = {
     "bagherzadeh2023": "spacecraft_gnc.studies.bagherzadeh2023",
     "kalabic2014": "spacecraft_gnc.studies.kalabic2014",
     "afrl2016": "spacecraft_gnc.studies.afrl2016",
+    "phogat": "spacecraft_gnc.studies.phogat",
 }
 """Name for the command line and module, in the order in which all of them are run."""
 PARTS: Final = {"afrl2016": ("two_wheel",)}

@@ -92,7 +92,7 @@ def test_all_papers_are_run_printed_written_and_drawn(tmp_path, capsys):
         "afrl2016_circle", "afrl2016_euler_angles", "afrl2016_plane", "afrl2016_wheels",
         "bagherzadeh2023_extremals", "bagherzadeh2023_variants", "governed_nmpc",
         "gupta2015_case1", "gupta2015_case2", "kalabic2014_flip", "kalabic2014_governor",
-        "kalabic2014_nmpc",
+        "kalabic2014_nmpc", "phogat_figure4", "phogat_range",
     ]  # fmt: skip
     for path in pictures:
         assert path.stat().st_size > 40_000
