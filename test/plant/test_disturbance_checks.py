@@ -54,7 +54,7 @@ def test_every_part_that_cannot_be_built_is_told_with_its_line():
     )
     assert name == (
         "f.yaml:1: plant.disturbances: received 'nois'; required one of constant, "
-        "gravity_gradient, noise; did you mean 'noise'?"
+        "gravity_gradient, noise, push; did you mean 'noise'?"
     )
     (found,) = problems(**GOOD, orbit_position=[0, 0, 1])
     assert found.startswith("f.yaml:5: plant.orbit_position: received [0, 0, 1], at 0 deg to")

@@ -29,6 +29,20 @@ MOVING: dict[str, tuple[str, Any]] = {
     "trajectory.times": ("stored_trajectory", [0.0, 1.0]),
     "trajectory.rotation_vectors": ("stored_trajectory", [0.1] * 6),
     "trajectory.angular_velocities": ("stored_trajectory", [0.0, 0.0, 0.1]),
+    **{
+        f"plan.{name}": ("planned", value)
+        for name, value in (
+            ("duration", 2.0),
+            ("torque_bounds", [1.0]),
+            ("momentum_bounds", [1.0]),
+            ("torque_reserve", 0.1),
+            ("momentum_reserve", 0.1),
+            ("starts", 4),
+            ("replan_error_deg", 1.0),
+            ("replan_lead", 6),
+            ("file", "plan.npz"),
+        )
+    },
 }
 
 

@@ -42,6 +42,15 @@ CHANGED: dict[str, Any] = {
     "max_iterations": 60,
     "feedback_attitude_gain": INERTIA,
     "feedback_momentum_gain": INERTIA,
+    "plan.duration": 2.0,
+    "plan.torque_bounds": [1.0],
+    "plan.momentum_bounds": [1.0],
+    "plan.torque_reserve": 0.1,
+    "plan.momentum_reserve": 0.1,
+    "plan.starts": 4,
+    "plan.replan_error_deg": 1.0,
+    "plan.replan_lead": 6,
+    "plan.file": "plan.npz",
 }
 
 

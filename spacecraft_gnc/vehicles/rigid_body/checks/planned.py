@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+
 from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.problems import shown
 from spacecraft_gnc.vehicles.rigid_body.chosen import own_law, own_method
@@ -40,8 +42,10 @@ def _check_tracking(checked: Checked) -> None:
     if checked.get(_CONTROLLER, "max_torque") not in (None, 0.0):
         need = f"0.0, no limit on the norm, {beside}"
         _complain(checked, "max_torque", need, "give plan.torque_bounds")
-    if checked.get(_CONTROLLER, "actuators") not in (None, []):
-        _complain(checked, "actuators", f"none {beside}", "remove them")
+    actuators = checked.get(_CONTROLLER, "actuators")
+    if actuators and np.linalg.matrix_rank(np.array(actuators).reshape(3, -1)) < 3:
+        need = f"actuators that give torques about every axis {beside}"
+        _complain(checked, "actuators", need, "add the missing one, or remove them all")
 
 
 def _check_zones(checked: Checked, who: str) -> None:
