@@ -18,6 +18,7 @@ from spacecraft_gnc.plant.disturbances.constant import ConstantTorque
 from spacecraft_gnc.plant.disturbances.gravity_gradient import GravityGradient
 from spacecraft_gnc.plant.disturbances.noise import NoiseTorque
 from spacecraft_gnc.plant.disturbances.parameters import DisturbanceParameters
+from spacecraft_gnc.plant.disturbances.push import Push
 from spacecraft_gnc.plant.disturbances.registry import build, names, refusals
 from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 
@@ -159,6 +160,7 @@ REFUSED = [
     (["constant"], "constant_torque", "received nothing; required 3 numbers"),
     (["gravity_gradient"], "orbit_rate", "received 0.0 rad/s; required a positive rate"),
     (["noise"], "noise_torque", "received nothing; required 3 standard deviations"),
+    (["push"], "push_torque", "received nothing; required 3 numbers"),
     (["dampin"], "disturbances", "received 'dampin'; required one of constant, .*'damping'?"),
     (["damping"], "plugin.coefficient", "received < 0"),
     (["failing"], "disturbances", "'failing', .*fails with ZeroDivisionError: by zero; .*mend"),
@@ -218,6 +220,9 @@ def test_a_part_that_returns_no_torque_is_refused_in_flight(returned, words):
         (lambda: NoiseTorque([1.0, np.nan, 0.0]), "noise_torque: .*finite"),
         (lambda: NoiseTorque([1.0, 1.0, 1.0], seed=-1), "seed: received -1"),
         (lambda: NoiseTorque([1.0, 1.0, 1.0], run=2**63), "run: received"),
+        (lambda: Push([1.0, 0.0], 1.0, 1.0), "push_torque: .*shape"),
+        (lambda: Push([1.0, 0.0, 0.0], -1.0, 1.0), "push_time: received -1"),
+        (lambda: Push([1.0, 0.0, 0.0], 1.0, 0.0), "push_duration: received 0"),
     ],
 )
 def test_numbers_that_are_none_are_refused(make, words):

@@ -16,6 +16,7 @@ from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.plant.disturbances.constant import ConstantTorque
 from spacecraft_gnc.plant.disturbances.gravity_gradient import GravityGradient
 from spacecraft_gnc.plant.disturbances.noise import NoiseTorque
+from spacecraft_gnc.plant.disturbances.push import Push
 from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
@@ -214,3 +215,25 @@ def test_the_effect_on_case_1_is_right_to_a_share_that_goes_with_the_step(case_1
     expected = lie.log(kicked(None, case_1, substeps).T @ kicked(part, case_1, substeps))
     assert math.degrees(np.linalg.norm(expected)) == pytest.approx(0.025, abs=0.001)
     assert np.linalg.norm(effect - expected) < share * np.linalg.norm(expected)
+
+
+@pytest.mark.parametrize("substeps", [1, 2, 3, 4])
+@pytest.mark.parametrize(("time", "duration"), [(0.0, 0.4), (1.2, 2.0), (2.8, 0.8), (100.0, 5.0)])
+def test_a_push_gives_its_impulse_and_nothing_else(substeps, time, duration):
+    push = [2e-4, -1e-4, 3e-4]
+    flown = plant(substeps, Disturbances({"push": Push(push, time, duration)}))
+    impulse, acted = np.zeros(3), []
+    for k in range(60):
+        state = flown.step(ZERO)
+        impulse += 0.4 * flown.external_torque
+        if flown.external_torque.any():
+            acted.append(k)
+    assert state.step == 60
+    if time > 24.0:
+        assert acted == []
+        return
+    first, last = round(time / 0.4), round((time + duration) / 0.4) - 1
+    assert set(range(first, last + 1)) <= set(acted) <= set(range(first - 1, last + 2))
+    assert impulse == pytest.approx(duration * np.array(push), rel=1e-12)
+    if substeps % 2:
+        assert acted == list(range(first, last + 1))
