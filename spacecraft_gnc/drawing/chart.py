@@ -34,7 +34,7 @@ class Drawn(Protocol):
 
 
 R = TypeVar("R", bound=Drawn)
-HELD: Final = {"shape": "hv"}
+HELD: Final[dict[str, Any]] = {"shape": "hv"}
 """Line of a value that holds for a control period."""
 
 
@@ -143,11 +143,15 @@ def components(
     names: Sequence[str],
     quantity: str,
     unit: style.Unit,
+    beneath: Iterable[Trace] = (),
     **line: Any,
 ) -> dict[str, Any]:
-    """Return the figure of a vector: one diagram for one run, else one row for each component."""
+    """Return the figure of a vector: one diagram for one run, else one row for each component.
+
+    ``beneath`` the curves lie these traces.
+    """
     several = len(runs) > 1
-    traces = []
+    traces = list(beneath)
     for i, run in enumerate(runs):
         data = unit.factor * values(run)
         for j, name in enumerate(names):

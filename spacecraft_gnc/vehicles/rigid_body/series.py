@@ -73,7 +73,8 @@ def targets(trajectory: Flight) -> Array | None:
 
     None where no governor shaped the reference, or what it was asked for is not known.
     """
-    if not is_governed(trajectory) or not np.isfinite(trajectory.target).all():
+    follows_plan = is_moving(trajectory) and (trajectory.plan >= 0).any()
+    if not (is_governed(trajectory) or follows_plan) or not np.isfinite(trajectory.target).all():
         return None
     return np.concatenate([trajectory.target, trajectory.target[-1:]])
 

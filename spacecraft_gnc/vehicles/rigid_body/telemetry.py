@@ -1,4 +1,4 @@
-"""Telemetry of a flight: curvature, closed-loop radius, deadlines, invariants."""
+"""Telemetry of a flight: curvature, closed-loop radius, deadlines, invariants, plans."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from spacecraft_gnc.recording.columns import Columns, read_columns
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
-from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS
+from spacecraft_gnc.vehicles.rigid_body.recorded_plans import RecordedPlan, plans_of
+from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, INVARIANTS, SOLVER_STATUS
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
@@ -44,6 +45,8 @@ class Telemetry:
         Whether the plant published the last three; else they are computed from the states.
     missed_deadlines : int or None
         Steps of a free run whose torque came too late, as the plant counted; None: no free run.
+    plans : tuple of RecordedPlan
+        Plans that were taken; none where nothing recorded them.
     """
 
     min_curvature: Array
@@ -54,6 +57,7 @@ class Telemetry:
     orthogonality_error: Array
     invariants_recorded: bool
     missed_deadlines: int | None = None
+    plans: tuple[RecordedPlan, ...] = ()
 
 
 def read_telemetry(
@@ -66,9 +70,8 @@ def read_telemetry(
     RecordingError
         If the bag cannot be read any more.
     """
-    topics = read_columns(
-        bag, (SOLVER_STATUS, INVARIANTS, WALL_TIMING), namespace, leave_out=_PLANS
-    )
+    signals = (SOLVER_STATUS, INVARIANTS, ATTITUDE_PLAN, WALL_TIMING)
+    topics = read_columns(bag, signals, namespace, leave_out=_PLANS)
     n, solves, plant = trajectory.n_steps, topics[SOLVER_STATUS], topics[INVARIANTS]
     from_states = computed(trajectory, scenario)
     recorded = bool(plant.steps.size)
@@ -87,6 +90,7 @@ def read_telemetry(
         else from_states.orthogonality_error,
         invariants_recorded=recorded,
         missed_deadlines=_missed_deadlines(topics[WALL_TIMING], scenario),
+        plans=plans_of(topics[ATTITUDE_PLAN]),
     )
 
 

@@ -18,6 +18,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("error at the end", _final_error(m)),
         *((label, never if at is None else f"from {at:g} s") for label, at in settled),
         *_governor_rows(m),
+        *_plan_rows(m),
         ("largest torque", f"{_text(m['max_torque'], 8)} N m, {_limit(m)}"),
         ("sum of stage costs", _stage_costs(m)),
         ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
@@ -47,6 +48,29 @@ def _governor_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         return [("target admitted", f"from {at:g} s (alpha = 1)")]
     where = "" if off is None else f", reference {_text(off, 5)} deg from the target at the end"
     return [("target admitted", f"never{where}")]
+
+
+def _plan_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
+    if m["replans"] is None:
+        return []
+    end, more = m["plan_end_time"], m["replans"]
+    times = "once" if more == 1 else f"{more} times"
+    lost = m["plan_not_found_steps"]
+    told = [
+        f"planned cost {m['plan_cost']:.10g} N^2 m^2, flown {m['flown_cost']:.10g}",
+        f"at its goal from {end:g} s" if end is not None else "not flown to its end",
+        *([f"replanned {times}"] if more else []),
+        *([f"no plan found at {lost} steps"] if lost else []),
+    ]
+    angle, momentum = _text(m["max_plan_error_deg"], 4), _text(m["max_plan_momentum_error"], 4)
+    rows = [
+        ("plan", ", ".join(told)),
+        ("off the plan", f"{angle} deg and {momentum} N m s at most"),
+    ]
+    if m["bound_use"]:
+        use = ", ".join(f"{name} {100.0 * share:.4g} %" for name, share in m["bound_use"].items())
+        rows.append(("use of the bounds", use))
+    return rows
 
 
 def _stage_costs(m: dict[str, Any]) -> str:

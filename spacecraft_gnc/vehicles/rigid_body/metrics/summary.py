@@ -17,6 +17,7 @@ from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
 from spacecraft_gnc.vehicles.rigid_body.metrics.neighboring import neighboring_metrics
+from spacecraft_gnc.vehicles.rigid_body.metrics.planned import plan_metrics
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
@@ -51,7 +52,7 @@ def summarize(trajectory: Flight, scenario: Scenario | None = None) -> dict[str,
         constraint even with the last reference held), ``min_governor_margin`` (of its predictions,
         in the unit of each one's nearest constraint),
         ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
-        stage costs as the method counts them; None of a method that reads no weights),
+        stage costs as the method counts them; None of a method that reads no weights or plans),
         ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``limits_exceeded`` (by more than
         0.1 %, see `audit.limits`; empty without a scenario), ``iterations_median``,
         ``iterations_max``, ``unconverged_steps`` (whose solve failed), ``stalled_steps`` and
@@ -60,7 +61,8 @@ def summarize(trajectory: Flight, scenario: Scenario | None = None) -> dict[str,
         ``solve_time_median``, ``_p99``, ``_max`` [s],
         ``sources`` (steps by source), ``fallback_steps`` (whose torque stood in for one that
         the method did not find),
-        ``neighboring_share`` and ``neighboring_error`` (see `metrics.neighboring`).
+        ``neighboring_share`` and ``neighboring_error`` (see `metrics.neighboring`),
+        and of a planned flight what `metrics.planned` says.
     """
     controller = scenario.controller if scenario is not None else None
     n = len(trajectory.time)
@@ -77,6 +79,7 @@ def summarize(trajectory: Flight, scenario: Scenario | None = None) -> dict[str,
         **_limit_metrics(trajectory, scenario),
         **_solver_metrics(trajectory, scenario),
         **neighboring_metrics(trajectory, scenario),
+        **plan_metrics(trajectory, scenario),
     }
 
 
@@ -156,7 +159,7 @@ def _torque_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, 
     norm = series.torque_norm(trajectory)
     limit = series.torque_limit(trajectory, scenario)
     cost = None
-    if scenario is not None and "weights.stage_attitude" in scenario.method.reads:
+    if scenario is not None and _counts_stage_costs(scenario):
         cost = _number(np.nansum(_stage_costs(trajectory, scenario)))
     return {
         "max_torque": _number(_largest(norm)),
@@ -164,6 +167,12 @@ def _torque_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, 
         "saturated_steps": int(np.count_nonzero(norm >= _SATURATION * limit)) if limit else None,
         "cost": cost,
     }
+
+
+def _counts_stage_costs(scenario: Scenario) -> bool:
+    """Tell whether a method weighs errors of the reference, rather than those of a plan."""
+    reads = scenario.method.reads
+    return "weights.stage_attitude" in reads and "plan.duration" not in reads
 
 
 def _stage_costs(trajectory: Flight, scenario: Scenario) -> Array:

@@ -13,8 +13,9 @@ from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Draw, Maker, stacked
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body import plan_series, series
 from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+from spacecraft_gnc.vehicles.rigid_body.pictures import plan as plan_panels
 from spacecraft_gnc.vehicles.rigid_body.pictures import telemetry as telemetry_panels
 
 if TYPE_CHECKING:
@@ -26,6 +27,11 @@ _SQUARE = (5.2, 5.6)
 _OVERVIEW = (11.0, 8.6)
 _BAND: Final = (6.3, 1.7)  # [inch]
 _TRIPLE: Final = (6.3, 7.4)  # [inch]
+_COSTATES: Final = (
+    plan_panels.co_momentum,
+    plan_panels.torque_multipliers,
+    plan_panels.momentum_multipliers,
+)
 
 
 def flight_figures(
@@ -70,8 +76,8 @@ def flight_makers(
     -------
     dict
         By name (``overview``, ``attitude_error``, ``momentum``, ``torque``, ``sphere``;
-        ``tracking``, ``external_torque``, ``governor``, ``zones`` and ``solver`` where there is
-        something to show).
+        ``plan``, ``tracking``, ``external_torque``, ``governor``, ``zones`` and ``solver`` where
+        there is something to show).
     """
     limit = series.torque_limit(trajectory, scenario)
     zones = scenario.controller.zones if scenario is not None else ()
@@ -88,13 +94,19 @@ def flight_makers(
         "iterations": lambda axes: panels.iterations(axes, trajectory),
         "solve_time": lambda axes: panels.solve_time(axes, trajectory),
     }
+    planned = plan_series.is_planned(trajectory)
+    if planned:
+        draw |= _of_plan(trajectory, scenario)
     makers: dict[str, Maker] = {
-        "overview": lambda: _overview(draw, title),
+        "overview": lambda: _overview(draw, "plan_error" if planned else "norm", title),
         "attitude_error": lambda: stacked(SINGLE, draw["error"]),
         "momentum": lambda: stacked(SINGLE, draw["momentum"]),
         "torque": lambda: stacked(DOUBLE, draw["torque"], draw["norm"]),
         "sphere": lambda: stacked(_SQUARE, draw["sphere"]),
     }
+    if planned:
+        names = ("torque", "momentum", "plan_error")
+        makers["plan"] = lambda: stacked(_TRIPLE, *(draw[name] for name in names))
     if series.is_moving(trajectory):
         makers["tracking"] = lambda: stacked(DOUBLE, draw["tracking"], draw["error"])
     if series.is_disturbed(trajectory):
@@ -108,7 +120,17 @@ def flight_makers(
     return makers
 
 
-def _overview(draw: Mapping[str, Draw], title: str) -> Figure:
+def _of_plan(trajectory: Flight, scenario: Scenario | None) -> dict[str, Draw]:
+    """Return what draws the diagrams of a planned flight."""
+    bounds = plan_series.bounds_of(scenario)
+    return {
+        "momentum": lambda axes: plan_panels.momentum(axes, trajectory, bounds),
+        "torque": lambda axes: plan_panels.torque(axes, trajectory, bounds),
+        "plan_error": lambda axes: plan_panels.error(axes, trajectory),
+    }
+
+
+def _overview(draw: Mapping[str, Draw], last: str, title: str) -> Figure:
     with style.applied():
         figure = Figure(_OVERVIEW, layout="constrained")
         grid = figure.add_gridspec(3, 2, width_ratios=[1.12, 1.0])
@@ -117,7 +139,7 @@ def _overview(draw: Mapping[str, Draw], title: str) -> Figure:
             "momentum": grid[1, 0],
             "torque": grid[2, 0],
             "sphere": grid[:2, 1],
-            "norm": grid[2, 1],
+            last: grid[2, 1],
         }
         for name, cell in cells.items():
             draw[name](figure.add_subplot(cell))
@@ -142,7 +164,7 @@ def record_makers(
     -------
     dict
         By name: ``quaternion``, ``roll_pitch_yaw``, ``rotation_vector``, ``sources``,
-        ``invariants``; ``residual``, ``solve_times``, ``curvature``, ``radius`` and
+        ``invariants``; ``costates``, ``residual``, ``solve_times``, ``curvature``, ``radius`` and
         ``governor_margin`` where there is something to show.
     """
     makers: dict[str, Maker] = {
@@ -156,6 +178,11 @@ def record_makers(
         lambda axes: telemetry_panels.inertial_momentum(axes, trajectory, telemetry),
         lambda axes: telemetry_panels.orthogonality(axes, trajectory, telemetry),
     )
+    if telemetry.plans:
+        makers["costates"] = lambda: stacked(
+            _TRIPLE,
+            *(partial(panel, trajectory=trajectory, telemetry=telemetry) for panel in _COSTATES),
+        )
     tolerance = scenario.controller.residual_tolerance if scenario is not None else None
     times = {"solves": trajectory.solve_time}
     deadline = series.solve_deadline(scenario)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.parameters.zones import ZoneParameters
 
 _COMPONENTS = "xyz"
+_LEAST_ERROR = 1e-4  # at which the logarithmic scale ends [deg]: a plan ends at rounding errors
 _WIDE_SPREAD = 20.0  # largest over median solve time from which a linear scale hides the median
 
 
@@ -52,7 +53,7 @@ def attitude_error(axes: Axes, trajectory: Flight, *, scale: str = "log") -> Non
     known = positive(error)
     if scale == "log" and known.size:
         axes.set_yscale("log")
-        axes.set_ylim(0.5 * known.min(), 2.5 * known.max())
+        axes.set_ylim(max(_LEAST_ERROR, 0.5 * known.min()), 2.5 * known.max())
         plain_numbers(axes.yaxis)
     else:
         axes.set_ylim(bottom=0.0)

@@ -13,6 +13,7 @@ from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
 from spacecraft_gnc.vehicles.rigid_body.report.motion import motion_charts
+from spacecraft_gnc.vehicles.rigid_body.report.plan import mark_plans, plan_charts
 from spacecraft_gnc.vehicles.rigid_body.report.plant import invariant_charts, source_chart
 from spacecraft_gnc.vehicles.rigid_body.report.rows import ROWS
 from spacecraft_gnc.vehicles.rigid_body.report.solver import solver_charts
@@ -28,6 +29,7 @@ _COUNTED: Final = {
     "missing_steps": "steps without a state or a torque (gaps in the curves)",
     "unconverged_steps": "solves that did not converge",
     "fallback_steps": "steps flown on a fallback torque",
+    "plan_not_found_steps": "steps flown on an old plan, as no new one was found",
     "inadmissible_steps": "steps without an admissible reference",
     "missed_deadlines": "torques that came after their deadline",
 }
@@ -66,7 +68,13 @@ class RigidBodyReport:
 
     def charts(self, runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         """Yield the diagrams."""
+        for chart in self._charts(runs, points):
+            mark_plans(chart, runs)
+            yield chart
+
+    def _charts(self, runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         yield from motion_charts(runs, points)
+        yield from plan_charts(runs, points)
         yield source_chart(runs, points)
         yield from solver_charts(runs, points)
         yield from invariant_charts(runs, points)

@@ -36,6 +36,7 @@ from spacecraft_gnc.drawing.traces import (
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
+from spacecraft_gnc.vehicles.rigid_body.report import plan
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
@@ -138,19 +139,20 @@ def _gimbal_lock(runs: Sequence[Flown]) -> str:
 def _momentum(runs: Sequence[Flown], points: int) -> Chart:
     unit = style.prefixed("N m s", *(series.momenta(run.trajectory) for run in runs))
     drawn = components(
-        runs, points, lambda run: series.momenta(run.trajectory), "xyz", "momentum", unit
-    )
-    return Chart(
-        "momentum", "Angular momentum", "Components in the body frame.", drawn, tall=len(runs) > 1
-    )
+        runs, points, lambda run: series.momenta(run.trajectory), "xyz", "momentum", unit,
+        plan.beneath_momentum(runs, points, unit),
+    )  # fmt: skip
+    note = f"Components in the body frame.{plan.note(runs)}"
+    return Chart("momentum", "Angular momentum", note, drawn, tall=len(runs) > 1)
 
 
 def _torque(runs: Sequence[Flown], points: int) -> Chart:
     unit = style.prefixed("N m", *(run.trajectory.torque for run in runs))
     drawn = components(
-        runs, points, lambda run: held(run.trajectory.torque), "xyz", "torque", unit, **HELD
-    )
-    note = "Components in the body frame, held over each control period."
+        runs, points, lambda run: held(run.trajectory.torque), "xyz", "torque", unit,
+        plan.beneath_torque(runs, points, unit), **HELD,
+    )  # fmt: skip
+    note = f"Components in the body frame, held over each control period.{plan.note(runs)}"
     return Chart("torque", "Torque", note, drawn, tall=len(runs) > 1)
 
 

@@ -3,68 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Final
 
 from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing.bands import band
 from spacecraft_gnc.drawing.chart import Chart, components, one_curve_each, over_time
 from spacecraft_gnc.drawing.envelope import per_interval
-from spacecraft_gnc.drawing.sources import source_color, source_name, stretches
-from spacecraft_gnc.drawing.traces import axis, label, log_axis
+from spacecraft_gnc.drawing.sources import Stretch, source_color, source_name, stretches
+from spacecraft_gnc.drawing.traces import axis, log_axis
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
-
-_BAND_HEIGHT: Final = 34  # [px]
 
 
 def source_chart(runs: Sequence[Flown], points: int) -> Chart:
     """Return the band that shows where each torque came from, one row for each run."""
-    names = [label(run.name) for run in runs]
-    bars: dict[int, dict[str, Any]] = {}
-    merged = False
-    for name, run in zip(names, runs, strict=True):
-        width = per_interval(run.trajectory.n_steps, points)
-        merged |= width > 1
-        for stretch in stretches(run.trajectory.source, run.times, width):
-            bar = bars.setdefault(stretch.source, _bar(stretch.source))
-            bar["y"].append(name)
-            bar["base"].append(stretch.begin)
-            bar["x"].append(stretch.end - stretch.begin)
-            bar["customdata"].append([stretch.begin, stretch.end, stretch.steps])
-    y = axis(
-        "",
-        autorange="reversed",
-        showticklabels=len(runs) > 1,
-        ticks="",
-        categoryorder="array",
-        categoryarray=names,
-    )
-    drawn = over_time(runs, [bars[source] for source in sorted(bars)], y)
-    drawn["layout"].update(
-        {
-            "barmode": "overlay",
-            "showlegend": True,  # of a single source too
-            "bargap": 0.25,
-            "hovermode": "closest",
-            "height": 110 + _BAND_HEIGHT * len(runs),
-        }
-    )
+    widths = {run.name: per_interval(run.trajectory.n_steps, points) for run in runs}
+
+    def of(run: Flown) -> list[Stretch]:
+        return stretches(run.trajectory.source, run.times, widths[run.name])
+
     note = "The method itself, or the rung of its fallback ladder that gave each applied torque."
-    if merged:
+    if max(widths.values()) > 1:
         note += " Of a long run, each interval of the band shows its lowest rung."
+    drawn = band(runs, of, source_name, source_color)
     return Chart("sources", "Source of the torque", note, drawn, wide=True)
-
-
-def _bar(source: int) -> dict[str, Any]:
-    return {
-        "type": "bar",
-        "orientation": "h",
-        "name": source_name(source),
-        "y": [],
-        "base": [],
-        "x": [],
-        "customdata": [],
-        "marker": {"color": source_color(source), "line": {"width": 0}},
-        "hovertemplate": "%{customdata[0]:.6g} s to %{customdata[1]:.6g} s: %{customdata[2]} steps",
-    }
 
 
 def invariant_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:

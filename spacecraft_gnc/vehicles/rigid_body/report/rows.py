@@ -35,6 +35,10 @@ def _sources(run: Flown) -> str:
     return ", ".join(f"{name.lower().replace('_', ' ')} {count}" for name, count in counts)
 
 
+def _never_ended(run: Flown) -> str:
+    return NOTHING if run.metrics["replans"] is None else "not flown to its end"
+
+
 ROWS: Final = (
     Row("Error is the angle to the", text=lambda run: str(run.metrics["error_to"])),
     Row("Control steps", "steps"),
@@ -53,6 +57,14 @@ ROWS: Final = (
     Row("Torque limit", "torque_limit", "N m", 8, absent=_of_scenario("none")),
     Row("Steps on the limit", "saturated_steps", absent=_of_scenario(NOTHING)),
     Row("Sum of stage costs", "cost", "", 8, absent=_of_scenario(NOTHING)),
+    Row("Plans taken after the first", "replans"),
+    Row("Last plan ends at", "plan_end_time", "s", absent=_never_ended),
+    Row("Planned cost, sum of |u|²/2", "plan_cost", "N² m²", 8),
+    Row("Flown cost, the same", "flown_cost", "N² m²", 8),
+    Row("Largest error off the plan", "max_plan_error_deg", "deg"),
+    Row("Largest momentum off the plan", "max_plan_momentum_error", "N m s"),
+    Row("Largest use of a bound", "max_bound_use", "%", 5, 100.0),
+    Row("Steps without a new plan that was sought", "plan_not_found_steps"),
     Row("Least zone margin", "min_zone_margin_deg", "deg", absent=_of_scenario(NOTHING)),
     Row("Iterations a solve, median", "iterations_median"),
     Row("Iterations a solve, most", "iterations_max"),

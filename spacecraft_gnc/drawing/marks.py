@@ -1,0 +1,50 @@
+"""Events marked in diagrams over time, of a page and for print."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_LEVELS: Final = 4  # heights of the texts of a page: events may follow each other closely
+
+
+class Mark(NamedTuple):
+    """An event."""
+
+    time: float
+    """[s]"""
+    text: str
+    color: str
+    before: bool = False
+    """Whether its text stands before its line in print."""
+
+
+def mark(figure: dict[str, Any], marks: Sequence[Mark]) -> None:
+    """Draw a dotted line and the text of each event into a diagram of a page."""
+    layout = figure["layout"]
+    for k, (time, text, color, _) in enumerate(marks):
+        line: dict[str, Any] = {"color": color, "width": 1.2, "dash": "dot"}
+        where = {"xref": "x", "yref": "paper", "x0": time, "x1": time}
+        shape = {"type": "line", "y0": 0.0, "y1": 1.0, "line": line, **where}
+        label = {
+            "xref": "x", "yref": "paper", "x": time, "y": 0.01 + 0.08 * (k % _LEVELS),
+            "text": text, "showarrow": False, "xanchor": "left", "xshift": 3,
+            "yanchor": "bottom", "bgcolor": "rgba(255, 255, 255, 0.8)",
+            "font": {"size": 11, "color": color},
+        }  # fmt: skip
+        layout.setdefault("shapes", []).append(shape)
+        layout.setdefault("annotations", []).append(label)
+
+
+def draw_marks(axes: Axes, marks: Sequence[Mark]) -> None:
+    """Draw a dotted line and the text of each event into a diagram for print."""
+    for time, text, color, before in marks:
+        axes.axvline(time, color=color, linewidth=0.9, linestyle=":")
+        axes.annotate(
+            text, (time, 0.0), xycoords=("data", "axes fraction"), rotation=90.0,
+            xytext=(-2 if before else 2, 4), textcoords="offset points", color=color,
+            fontsize=7.0, ha="right" if before else "left", va="bottom",
+        )  # fmt: skip

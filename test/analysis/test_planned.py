@@ -1,0 +1,240 @@
+"""Planned flights: what is measured of them, and what their figures and reports show."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from analysis.flights import at_rest
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.analysis.metrics import summarize
+from spacecraft_gnc.governors.planned.report import Phase
+from spacecraft_gnc.scenario import load
+from spacecraft_gnc.vehicles.rigid_body import plan_series, series
+from spacecraft_gnc.vehicles.rigid_body.metrics.rows import summary_rows
+from spacecraft_gnc.vehicles.rigid_body.pictures.figures import flight_makers, record_makers
+from spacecraft_gnc.vehicles.rigid_body.recorded_plans import RecordedPlan
+from spacecraft_gnc.vehicles.rigid_body.report import REPORT
+from spacecraft_gnc.vehicles.rigid_body.telemetry import computed
+
+COST = 20965.95496  # [N^2 m^2] of figure 4
+OTHER_BODY = (
+    "nmpc_controller.inertia=[800.0, 0.0, 0.0, 0.0, 1200.0, 0.0, 0.0, 0.0, 1000.0]",
+    "plant.inertia=[880.0, 0.0, 0.0, 0.0, 1320.0, 0.0, 0.0, 0.0, 900.0]",
+    "nmpc_controller.plan.replan_error_deg=0.5",
+    "nmpc_controller.plan.torque_reserve=0.1",
+    "nmpc_controller.plan.momentum_reserve=0.2",
+    "nmpc_controller.plan.duration=23.0",
+    "plant.duration=30.0",
+)
+"""A body that is another than believed, so that the flight needs further plans."""
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load("phogat_figure4")
+
+
+@pytest.fixture(scope="module")
+def flight(scenario):
+    return scenario.build().run()
+
+
+@pytest.fixture(scope="module")
+def other():
+    return load("phogat_figure4", OTHER_BODY)
+
+
+@pytest.fixture(scope="module")
+def replanned(other):
+    return other.build().run()
+
+
+def run_of(flight, scenario, plans=(), name="run"):
+    """Return a run as figures and reports take it."""
+    return SimpleNamespace(
+        name=name,
+        times=series.state_times(flight),
+        trajectory=flight,
+        scenario=scenario,
+        telemetry=replace(computed(flight, scenario), plans=plans),
+        metrics=summarize(flight, scenario) | {"missed_deadlines": None},
+    )
+
+
+def _recorded(n=5, first_step=2):
+    rng = np.random.default_rng(3)
+    return RecordedPlan(
+        number=0,
+        first_step=first_step,
+        cause=0,
+        cost=1.0,
+        torque=rng.normal(size=(n, 3)),
+        momentum=rng.normal(size=(n + 1, 3)),
+        co_momentum=rng.normal(size=(n, 3)),
+        torque_multipliers=np.zeros((n, 3)),
+        momentum_multipliers=rng.normal(size=(n + 1, 3)),
+    )
+
+
+def test_a_flight_on_its_plan_costs_what_was_planned(flight, scenario):
+    m = summarize(flight, scenario)
+    assert m["plan_cost"] == pytest.approx(COST, abs=1e-5)
+    assert m["flown_cost"] == pytest.approx(m["plan_cost"], rel=1e-12)
+    assert (m["replans"], m["plan_not_found_steps"], m["plan_end_time"]) == (0, 0, 19.0)
+    assert m["max_plan_error_deg"] < 1e-11
+    assert m["max_plan_momentum_error"] < 1e-9
+    assert m["cost"] is None  # a sum of stage costs to the target would be none of the tracking's
+    use = m["bound_use"]
+    assert set(use) == {f"{what} {axis}" for what in ("torque", "momentum") for axis in "xyz"}
+    for saturated in ("torque y", "torque z", "momentum y", "momentum z"):
+        assert use[saturated] == pytest.approx(1.0, abs=1e-9)
+    assert use["torque x"] == pytest.approx(np.abs(flight.torque[:, 0]).max() / 20.0)
+    assert m["max_bound_use"] == max(use.values())
+    assert m["limits_exceeded"] == []
+
+
+def test_further_plans_are_counted_and_marked(replanned, other):
+    m = summarize(replanned, other)
+    taken = np.flatnonzero(np.diff(replanned.plan) > 0) + 1
+    assert m["replans"] == len(taken) >= 1
+    marks = plan_series.plan_marks(replanned)
+    assert [mark.time for mark in marks if mark.text != "plan ends"] == list(replanned.time[taken])
+    assert marks[-1].text == "plan ends"
+    assert marks[-1].time == m["plan_end_time"]
+    assert m["max_plan_error_deg"] == pytest.approx(np.degrees(np.nanmax(replanned.plan_error)))
+    assert m["max_plan_error_deg"] > 0.5  # what makes another plan due
+    words = dict(summary_rows(m))
+    times = "once" if m["replans"] == 1 else f"{m['replans']} times"
+    assert f"replanned {times}" in words["plan"]
+    assert "torque y" in words["use of the bounds"]
+
+
+def test_a_flight_without_a_plan_has_none_of_these_metrics():
+    flight = at_rest()
+    m = summarize(flight)
+    assert {m[key] for key in m if "plan" in key or "bound" in key or key == "flown_cost"} == {None}
+    assert not plan_series.is_planned(flight)
+    assert "plan" not in dict(summary_rows(m))
+    assert "plan" not in flight_makers(flight)
+
+
+def test_the_error_off_the_plan_is_the_angle_to_what_was_planned(replanned):
+    """Rolled out from the first plan's torque, as long as it is flown."""
+    first = load("phogat_figure4", OTHER_BODY)
+    from spacecraft_gnc.ocp.transfer import TransferSolver
+    from spacecraft_gnc.vehicles.rigid_body.transfer import transfer_of
+
+    plan = TransferSolver().solve(transfer_of(first))
+    n = int(np.argmax(replanned.plan > 0))
+    angle = lie.angles_between(plan.attitude[:n], replanned.attitude[:n])
+    np.testing.assert_allclose(replanned.plan_error[:n], angle, atol=1e-12)
+    np.testing.assert_allclose(replanned.plan_momentum[:n], plan.momentum[:n], atol=1e-9)
+
+
+def test_the_use_of_one_sided_bounds():
+    torque = np.zeros((20, 3))
+    torque[3] = [1.0, -3.0, 2.0]
+    flight = replace(at_rest(), torque=torque)
+    real = np.array([[-np.inf, -6.0, -1.0], [2.0, 4.0, np.inf], [-np.inf] * 3, [np.inf] * 3])
+    use = plan_series.bound_use(flight, real)
+    assert use == {"torque x": 0.5, "torque y": 0.5, "torque z": 0.0}
+
+
+def test_bounds_are_drawn_once(scenario, other):
+    from spacecraft_gnc.drawing.style import Unit
+
+    unit = Unit("mN m", 1000.0)
+    drawn = plan_series.drawn_bounds(plan_series.bounds_of(scenario), 0, unit)
+    assert [tuple(each) for each in drawn] == [
+        (20000.0, "bound ±20000 mN m", True), (-20000.0, "", True)
+    ]  # fmt: skip
+    assert len(plan_series.drawn_bounds(plan_series.bounds_of(other), 0, unit)) == 4
+    limits = np.array([[-1.0, -np.inf, -1.0], [2.0, 2.0, 1.0], [-1.0] * 3, [1.0] * 3])
+    texts = [
+        each.text
+        for each in plan_series.drawn_bounds(
+            plan_series.Bounds(limits, limits), 0, Unit("N m", 1.0)
+        )
+    ]
+    assert texts == ["bound 2 N m, xy", "bound 1 N m, z", "bound -1 N m, xz"]
+
+
+def test_bounds_without_a_plan_are_none(scenario):
+    assert plan_series.bounds_of(None) is None
+    assert plan_series.bounds_of(load("gupta2015_case1")) is None
+    assert plan_series.bounds_of(scenario) is not None
+
+
+def test_no_plan_found_is_told(flight, scenario):
+    phase = flight.plan_phase.copy()
+    phase[40:55] = Phase.NOT_FOUND
+    lost = replace(flight, plan_phase=phase)
+    m = summarize(lost, scenario)
+    assert m["plan_not_found_steps"] == 15
+    assert "no plan found at 15 steps" in dict(summary_rows(m))["plan"]
+    assert [mark.text for mark in plan_series.plan_marks(lost)] == ["no plan found", "plan ends"]
+    warnings = list(REPORT.warnings(run_of(lost, scenario)))
+    assert "steps flown on an old plan, as no new one was found: 15" in warnings
+    stretches = plan_series.phase_stretches(lost, series.state_times(lost))
+    assert [(s.source, s.steps) for s in stretches] == [
+        (Phase.FLYING, 40), (Phase.NOT_FOUND, 15), (Phase.FLYING, 135), (Phase.ARRIVED, 60)
+    ]  # fmt: skip
+    assert stretches[-1].end == pytest.approx(25.0)
+
+
+def test_the_figures_show_plan_and_bounds(replanned, other):
+    makers = flight_makers(replanned, other)
+    torque, momentum, error = makers["plan"]().axes
+    for axes, values, flown in (
+        (torque, replanned.plan_torque, replanned.torque),
+        (momentum, replanned.plan_momentum, replanned.momentum),
+    ):
+        n = len(values)
+        drawn = [line.get_ydata() for line in axes.lines]
+        for i in range(3):
+            assert any(len(y) == n + 1 and np.array_equal(y[:n], values[:, i]) for y in drawn)
+            assert any(len(y) == n + 1 and np.array_equal(y[:n], flown[:, i]) for y in drawn)
+    assert {y[0] for y in (line.get_ydata() for line in torque.lines) if len(y) == 2} >= {
+        20.0, -20.0, 18.0, -18.0
+    }  # fmt: skip
+    texts = [text.get_text() for text in error.texts]
+    assert texts[:1] == ["plan 1"]
+    assert texts[-1] == "plan ends"
+
+
+def test_costates_are_drawn_where_plans_were_recorded(flight, scenario):
+    plan = _recorded()
+    run = run_of(flight, scenario, (plan,))
+    assert "costates" not in record_makers(flight, computed(flight, scenario), scenario)
+    axes = record_makers(flight, run.telemetry, scenario)["costates"]().axes
+    np.testing.assert_array_equal(axes[0].lines[1].get_ydata(), plan.co_momentum[:, 1])
+    np.testing.assert_allclose(axes[2].lines[0].get_xdata(), 0.1 * np.arange(2, 8))
+    charts = {chart.name: chart for chart in REPORT.charts([run], 1000)}
+    variants = [variant.name for variant in charts["costates"].variants]
+    assert variants == ["co_momentum", "momentum_multipliers"]  # no bound on the torque acts
+
+
+def test_the_page_of_one_run_shows_the_plan(replanned, other):
+    charts = {chart.name: chart for chart in REPORT.charts([run_of(replanned, other)], 1000)}
+    assert {"plan_error", "phases"} < set(charts)
+    assert "costates" not in charts
+    names = [trace["name"] for trace in charts["torque"].figure["data"]]
+    assert names[:3] == ["x, planned", "y, planned", "z, planned"]
+    assert "bound ±20 N m" in names
+    marks = charts["torque"].figure["layout"]["annotations"]
+    assert [mark["text"] for mark in marks][-1] == "plan ends"
+    assert "annotations" not in charts["phases"].figure["layout"]
+    assert "annotations" not in charts["solve_time"].figure["layout"]  # that is not over time
+
+
+def test_the_page_of_two_runs_compares_them(flight, replanned, scenario, other):
+    runs = [run_of(flight, scenario), run_of(replanned, other, name="other")]
+    charts = {chart.name: chart for chart in REPORT.charts(runs, 1000)}
+    assert len(charts["plan_error"].figure["data"]) == 2
+    assert "annotations" not in charts["torque"].figure["layout"]
+    rows = {row.label: row.value(runs[1]) for row in REPORT.rows if row.is_shown(runs)}
+    assert rows["Plans taken after the first"] == str(summarize(replanned, other)["replans"])
