@@ -17,8 +17,8 @@ from spacecraft_gnc.drawing.chart import held
 from spacecraft_gnc.drawing.figures import DOUBLE, Maker, stacked
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.planning.plan import AXES, Plan
-from spacecraft_gnc.vehicles.rigid_body.planning.report import Planned, scaled_unit
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES, Plan
+from spacecraft_gnc.vehicles.rigid_body.planner.report import Planned, scaled_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -25,8 +25,8 @@ from spacecraft_gnc.drawing.table import Row
 from spacecraft_gnc.drawing.traces import Curve, Trace, axis, component_line, limit, run_line, trace
 from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.planning.plan import AXES, Plan
-from spacecraft_gnc.vehicles.rigid_body.planning.rows import active_texts, bounds_text
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES, Plan
+from spacecraft_gnc.vehicles.rigid_body.planner.rows import active_texts, bounds_text
 
 
 class Planned(FlownRun, Protocol):

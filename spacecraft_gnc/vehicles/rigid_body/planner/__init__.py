@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.parameters.problems import Problem
-from spacecraft_gnc.vehicles.rigid_body.planning.plan import Plan, numbers
-from spacecraft_gnc.vehicles.rigid_body.planning.rows import checks, summary_rows
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import Plan, numbers
+from spacecraft_gnc.vehicles.rigid_body.planner.rows import checks, summary_rows
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters, too_short, transfer_of
 
 if TYPE_CHECKING:
-    from spacecraft_gnc.vehicles.rigid_body.planning.figures import PlanFigures
-    from spacecraft_gnc.vehicles.rigid_body.planning.report import PlanReport
+    from spacecraft_gnc.vehicles.rigid_body.planner.figures import PlanFigures
+    from spacecraft_gnc.vehicles.rigid_body.planner.report import PlanReport
 
 
 class RigidBodyPlanner:
@@ -27,14 +27,14 @@ class RigidBodyPlanner:
     @property
     def report(self) -> PlanReport:
         """The part of a page that shows plans."""
-        from spacecraft_gnc.vehicles.rigid_body.planning.report import PlanReport
+        from spacecraft_gnc.vehicles.rigid_body.planner.report import PlanReport
 
         return PlanReport()
 
     @property
     def figures(self) -> PlanFigures:
         """Figures of plans for print."""
-        from spacecraft_gnc.vehicles.rigid_body.planning.figures import PlanFigures
+        from spacecraft_gnc.vehicles.rigid_body.planner.figures import PlanFigures
 
         return PlanFigures()
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.planning.plan import Plan
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import Plan
 
 UNITS: Final = {"torque": "N m", "momentum": "N m s"}
 _TOLERANCE: Final = 1e-8
