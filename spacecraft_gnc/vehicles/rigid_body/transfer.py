@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # the solver's kernels are not needed to read parameters
     from spacecraft_gnc.vehicles.rigid_body.parameters.plan import PlanParameters
 
 _ROUNDING: Final = 1e-9  # relative, of a duration in periods
+_MOST: Final = 100_000  # steps of a plan: some seconds, and 200 MB
+_SOUGHT: Final = 5000  # steps within which the shortest time is sought, at least
 _CONTROLLER, _GOVERNOR = "nmpc_controller", "reference_governor"
 
 
@@ -92,10 +94,14 @@ def planned_steps(scenario: Scenario) -> int:
     Raises
     ------
     InvalidScenario
-        If nothing plans, or the duration is no whole number of periods.
+        If nothing plans, or the duration is no whole number of periods, or too many of them.
     """
     duration, period = plan_parameters(scenario).duration, scenario.period
     steps = round(duration / period)
+    if steps > _MOST:
+        value = f"{duration!r} s, {steps} control periods"
+        remedy = "shorten it, or lengthen nmpc_controller.time_step"
+        raise _refused(scenario, "plan.duration", value, f"at most {_MOST} of them", remedy)
     if steps >= 2 and abs(steps * period - duration) <= _ROUNDING * duration:
         return steps
     need = f"a whole number of control periods of {period:g} s, two or more"
@@ -109,8 +115,8 @@ def transfer_of(scenario: Scenario) -> AttitudeTransfer:
     Raises
     ------
     InvalidScenario
-        If nothing plans, the inertia is not known, a bound or the duration is refused, or the first
-        momentum lies outside the planned bounds.
+        If nothing plans, the inertia is not known, a bound or the duration is refused, the first
+        momentum lies outside the planned bounds, or these leave no hope.
     """
     from spacecraft_gnc.ocp.transfer import AttitudeTransfer
 
@@ -119,7 +125,7 @@ def transfer_of(scenario: Scenario) -> AttitudeTransfer:
     n_steps = planned_steps(scenario)
     _require_start(scenario, limits)
     try:
-        return AttitudeTransfer(
+        transfer = AttitudeTransfer(
             body=RigidBody(inertia, scenario.period),
             n_steps=n_steps,
             start=lie.exp(plant.initial_rotation_vector),
@@ -134,6 +140,8 @@ def transfer_of(scenario: Scenario) -> AttitudeTransfer:
             raise
         key = _KEYS.get(str(error).partition(":")[0], "")
         raise InvalidScenario([replace(problem, key=key or problem.key)]) from error
+    _require_hope(scenario, transfer)
+    return transfer
 
 
 def first_plan(scenario: Scenario) -> TransferSolution:
@@ -235,6 +243,17 @@ def _require_start(scenario: Scenario, limits: Array) -> None:
     value, remedy = f"{momentum.tolist()}", "start slower, or widen the bounds"
     key = "plant.initial_momentum"
     raise InvalidScenario([Problem(scenario.path, None, key, value, need, remedy)])
+
+
+def _require_hope(scenario: Scenario, transfer: AttitudeTransfer) -> None:
+    """Refuse bounds within which the transfer takes far longer than is planned for."""
+    from spacecraft_gnc.ocp.transfer.certificate import is_too_short
+
+    most = max(_SOUGHT, transfer.n_steps)
+    if is_too_short(transfer, most):
+        value = f"{transfer.duration:.6g} s"
+        need = f"more than {most * scenario.period:.6g} s: no torque within the bounds is faster"
+        raise _refused(scenario, "plan.duration", value, need, "lengthen it, or widen the bounds")
 
 
 def _refused(scenario: Scenario, name: str, value: str, need: str, remedy: str) -> InvalidScenario:
