@@ -10,6 +10,8 @@ from transfer_plans import transfer_of
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.ocp.transfer import TransferSolver
+from spacecraft_gnc.ocp.transfer.starts import STRAIGHT, make_start
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body.audit.transfer_conditions import (
     Transfer,
     first_order,
@@ -121,14 +123,15 @@ def test_a_solution_keeps_the_conditions(solved):
     assert solved.min_curvature == pytest.approx(least, rel=1e-2)
 
 
-def test_a_saddle_has_no_curvature_left():
-    """The eigenaxis plan about y without bounds on the momentum, over a long way round."""
-    straight = paper_transfer(90.0, (0.0, 1.0, 0.0), 30.0, torque=None, momentum=None)
-    solution = TransferSolver(starts=1).solve(straight)
-    assert least_curvature(transfer_of(solution)) > 0.0
-    plan = transfer_of(TransferSolver().solve(CASES["y90"]))
-    flipped = plan._replace(zeta=-50.0 * plan.zeta)
-    assert least_curvature(flipped) < 0.0
+def test_a_saddle_is_none_to_fly():
+    """About the axis of the largest moment the eigenaxis plan may be one."""
+    straight = paper_transfer(170.0, (0.0, 1.0, 0.0), 60.0, torque=None)
+    start = make_start(straight, STRAIGHT)
+    solution = TransferSolver().solve(straight, (start.torque, start.momentum))
+    assert solution.status == Status.SADDLE
+    plan = transfer_of(solution)
+    assert first_order(plan).residual < 1e-8
+    assert least_curvature(plan) < -0.1
 
 
 def forged(plan, name, index, by):
@@ -140,18 +143,18 @@ def forged(plan, name, index, by):
 FORGERIES = {
     "attitude": ("attitudes", (40, 0, 1), 1e-6, {"rotations", "turns"}),
     "momentum": ("momenta", (40, 0), 1e-5, {"turns", "momenta"}),
-    "torque": ("torques", (40, 0), 1e-5, {"torques", "momenta"}),
+    "torque": ("torques", (40, 0), 1e-4, {"torques", "momenta"}),
     "co-momentum": ("co_momenta", (40, 0), 1e-5, {"torques", "co_momenta"}),
     "zeta": ("zeta", 0, 1e-2, {"co_momenta"}),
     "torque multiplier": ("torque_multipliers", (3, 1), 1e-5, {"torques"}),
-    "sign of a torque multiplier": ("torque_multipliers", (3, 1), 50.0, {"torques", "signs"}),
+    "sign of a torque multiplier": ("torque_multipliers", (3, 1), -50.0, {"torques", "signs"}),
     "momentum multiplier": ("momentum_multipliers", (100, 1), 1e-4, {"co_momenta"}),
     "multiplier of an end": ("momentum_multipliers", (190, 0), 1e-4, {"signs"}),
     "bound of the torque": ("limits", (1, 1), -0.01, {"bounds"}),
     "wider bound": ("limits", (1, 1), 0.01, {"signs"}),
     "bound of the momentum": ("limits", (3, 1), -0.01, {"bounds"}),
     "goal": ("goal", (0, 1), 1e-5, {"end_attitude"}),
-    "inertia": ("inertia", (0, 0), 1e-3, {"turns", "co_momenta"}),
+    "inertia": ("inertia", (0, 0), 0.1, {"turns", "co_momenta"}),
 }
 
 
