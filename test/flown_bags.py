@@ -13,6 +13,7 @@ import numpy as np
 from mcap.reader import make_reader
 from recording.bags import CODEC, announce
 
+from spacecraft_gnc.governors.planned.report import PlanReport
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.ocp import Status, linearize
 from spacecraft_gnc.ocp.assembly import assemble
@@ -22,6 +23,9 @@ from spacecraft_gnc.parameters.declare import flatten, unflatten
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
+from spacecraft_gnc.signals.structures import VECTOR3
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import plan_of
+from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, PLAN_STATUS
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "plant": {
@@ -229,16 +233,31 @@ class _Recorder:
             violation_step=decision.violation_step, horizon=decision.horizon,
             waypoints=decision.waypoints,
         )  # fmt: skip
+        self.plan(k, plan_of(decision))
+
+    def plan(self, k: int, report: PlanReport | None) -> None:
+        """Write what is told of a step along a plan."""
+        if report is None:
+            return
+        told = [(ATTITUDE_PLAN, "AttitudePlan", planned) for planned in report.told]
+        for signal, name, value in [*told, (PLAN_STATUS, "PlanStatus", report)]:
+            fields = dict(zip(signal.fields, signal.pack(value), strict=True))
+            for field, part in fields.items():
+                if isinstance(part, np.ndarray):
+                    vector = signal.fields[field].kind == VECTOR3
+                    fields[field] = CODEC.vector(part) if vector else np.ravel(part)
+            self._write(signal.name, name, k, "body", **fields)
 
     def command(self, k: int, command: Any, method: str) -> None:
         torque = CODEC.vector(command.control)
         source = int(command.source)
         self._write("torque_command", "TorqueCommand", k, "body", torque=torque, source=source)
         self._write("solver_status", "SolverStatus", k, "body", method=method, **_solve(command))
+        self.plan(k, plan_of(command))
 
 
 def _solve(command: Any) -> dict[str, Any]:
-    found, standstill = (None, None) if command.report is None else command.report
+    found, standstill = (None, None) if command.report is None else command.report[:2]
     wall = {"wall_solve_time": 1e-4, "wall_deadline_slack": math.nan}
     if found is None:
         names = ("residual", "cost", "torque_margin", "min_curvature", "closed_loop_radius")

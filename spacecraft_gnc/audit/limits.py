@@ -13,7 +13,7 @@ class Exceedance(NamedTuple):
     """A limit that a flight exceeded."""
 
     limit: str
-    """Which one: ``torque``, ``momentum`` or ``zone NAME``."""
+    """Which one: ``torque``, ``torque -x``, ``momentum``, ``zone NAME``."""
     factor: float
     """Largest value as a multiple of the limit; of a zone, 1 + depth / half-angle."""
     value: float

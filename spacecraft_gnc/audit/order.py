@@ -20,7 +20,7 @@ def audit_order(evidence: Evidence, ledger: Ledger, held: NDArray[np.int64], sto
     Steps ``held`` went on without a command; a flight that ``stopped`` may be shorter than planned.
     """
     for topic in evidence.topics.every_step:
-        _each_step(evidence, ledger, topic, held)
+        audit_each_step(evidence, ledger, topic, held)
     _whole_flight(evidence, ledger, stopped)
     for topic in evidence.topics.every_step:
         columns = evidence.columns[topic]
@@ -37,7 +37,10 @@ def stamps_of(steps: NDArray[np.int64], period: float) -> Array:
     return np.asarray(seconds + 1e-9 * nanoseconds)
 
 
-def _each_step(evidence: Evidence, ledger: Ledger, topic: Signal, held: NDArray[np.int64]) -> None:
+def audit_each_step(
+    evidence: Evidence, ledger: Ledger, topic: Signal, held: NDArray[np.int64]
+) -> None:
+    """Check that a topic has a message of each step, but of those ``held``."""
     columns, name = evidence.columns[topic], f"steps of {topic}"
     last = evidence.n if topic in evidence.topics.leading else evidence.n - 1
     if not columns.steps.size and not _is_expected(evidence, topic):

@@ -14,7 +14,7 @@ from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.signals.qos import QosProfile
 from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
 
-SPARSE = ("target_attitude", "accepted_target", "wall_timing")
+SPARSE = ("target_attitude", "accepted_target", "wall_timing", "attitude_plan", "plan_status")
 MESSAGES = Path(__file__).parents[2] / "msg_defs" / "msg"
 PERIOD = 0.4  # [s]
 STANDARD = {
@@ -170,6 +170,8 @@ TOPICS = {
     "governor_status": "GovernorStatus",
     "solver_status": "SolverStatus",
     "plant_invariants": "PlantInvariants",
+    "attitude_plan": "AttitudePlan",
+    "plan_status": "PlanStatus",
 }
 
 

@@ -202,7 +202,7 @@ class CertificateAudit:
         off = found.cost - rows["cost"]
         scale = max(float(np.abs(found.cost).max()), 1e-300)
         limit = (CUT_COST if formulation == NEIGHBORING else 10.0 * ROUNDING) * scale
-        limits = limit + self._left_of_cost(found)
+        limits = limit + self._left_of_cost(found) + found.cost_rounding
         if formulation == NEIGHBORING:
             limits += 2.0 * self._certifier.ocp.time_step * found.made_of * self._cut(found)
         bound(f"cost{_said(formulation)}", steps, "solver_status.cost", off, limits)

@@ -26,6 +26,8 @@ from spacecraft_gnc.vehicles.rigid_body.audit.matrices import (
 )
 from spacecraft_gnc.vehicles.rigid_body.audit.problem import Problem, nonstandard
 
+ROUNDED: Final = 16.0 * 2.0**-52
+"""Of an attitude, and relative to momentum and torque: what rounding leaves between two motions."""
 ON_LIMIT: Final = 1e-12
 """Relative distance of |u|^2 from its bound within which the bound counts as touched."""
 
@@ -159,6 +161,22 @@ def cost_of(problem: Problem, s: Stages, sigma: Array) -> Array:
     if math.isfinite(problem.penalty):
         total += h * problem.penalty * (sigma / (2.0 * problem.penalty)) ** 2
     return np.asarray(total.sum(axis=1) + _end_cost(problem, s))
+
+
+def least_cost(problem: Problem, s: Stages) -> Array:
+    """Return the (m,) costs of plans that are off what they track by nothing but rounding."""
+    h, n = problem.ocp.time_step, s.u.shape[1]
+    fastest = np.linalg.norm(s.Pi, axis=2).max(axis=1)
+    strongest = np.linalg.norm(s.u, axis=2).max(axis=1) + fastest / h
+    state = 4.5 * np.linalg.norm(problem.attitude)
+    state = state + np.linalg.norm(problem.momentum) * fastest**2
+    total = h * n * (state + np.linalg.norm(problem.control) * strongest**2)
+    if problem.end is None:
+        total += 4.5 * np.linalg.norm(problem.end_attitude)
+        total += np.linalg.norm(problem.end_momentum) * fastest**2
+    else:
+        total += 0.5 * np.linalg.norm(problem.end) * (1.0 + fastest**2)
+    return np.asarray(total * ROUNDED**2)
 
 
 def made_of(problem: Problem, s: Stages, share: Array) -> tuple[Array, Array]:

@@ -209,7 +209,7 @@ class FailureAudit:
 
     def _built(self) -> _Solving:
         if self._controller is None:
-            controller = self._evidence.scenario.build_controller()
+            controller = self._certifier.controller(self._evidence.scenario)
             self._controller = cast("_Solving", controller)
             self._controller.warm_up()
         return self._controller

@@ -19,6 +19,7 @@ from spacecraft_gnc.status import NO_SOLVE
 from spacecraft_gnc.vehicles.rigid_body.audit.decisions import audit_decisions
 from spacecraft_gnc.vehicles.rigid_body.audit.failures import FAILURES
 from spacecraft_gnc.vehicles.rigid_body.audit.motion import applied_torques, audit_motion
+from spacecraft_gnc.vehicles.rigid_body.audit.planned import PlannedAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
 from spacecraft_gnc.vehicles.rigid_body.audit.references import audit_references
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LAW, audit_law
@@ -28,7 +29,9 @@ from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
 from spacecraft_gnc.vehicles.rigid_body.recorded import PLANS, acted, whole_steps
 from spacecraft_gnc.vehicles.rigid_body.signals import (
     APPLIED,
+    ATTITUDE_PLAN,
     INVARIANTS,
+    PLAN_STATUS,
     SOLVER_STATUS,
     STATE,
     TORQUE,
@@ -36,7 +39,7 @@ from spacecraft_gnc.vehicles.rigid_body.signals import (
 
 _TOPICS: Final = Topics(
     every_step=(STATE, INVARIANTS, REFERENCE, GOVERNOR_STATUS, TORQUE, SOLVER_STATUS),
-    sparse=(ACCEPTED_TARGET, WALL_TIMING),
+    sparse=(ACCEPTED_TARGET, WALL_TIMING, ATTITUDE_PLAN, PLAN_STATUS),
     solves=SOLVER_STATUS,
     plans=PLANS,
 )
@@ -68,7 +71,9 @@ class RigidBodyAudit:
         audit_motion(evidence, ledger, tolerance, watch("integrating"))
         audit_references(evidence, ledger)
         audit_decisions(evidence, ledger, tolerance, watch("asking the governor"))
-        _solves(evidence, ledger, counts, tolerance, watch("certifying"))
+        planned = PlannedAudit(evidence)
+        planned.audit(ledger, held, watch("certifying plans"))
+        _solves(planned.tracked, ledger, counts, tolerance, watch("certifying"))
         audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
         return _exceeded(evidence)
 

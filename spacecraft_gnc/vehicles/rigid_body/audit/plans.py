@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from spacecraft_gnc.ocp.shooting import AUTOMATIC
 from spacecraft_gnc.types import Array, Reference
 from spacecraft_gnc.vehicles.rigid_body.audit.conditions import (
     cost_of,
+    least_cost,
     limit_of,
     made_of,
     stages_of,
@@ -77,6 +79,8 @@ class Certificates(NamedTuple):
     radius_defect: Array
     """Largest difference of |u| from what the conditions say where the limit acts [N m]."""
     cost: Array
+    cost_rounding: Array
+    """What rounding may make of the cost: it is of squares of what a plan is off its reference."""
     largest: Array
     """Largest |u| [N m]."""
     curvature: Array
@@ -88,7 +92,8 @@ class Certificates(NamedTuple):
     rounding: Array
     """(m, 2) What rounding may make of a lambda1 and a lambda2."""
     correction: Array
-    """Largest change of a lambda2 by one Newton step from the plan, as a share of the largest."""
+    """Largest change of a lambda2 by one Newton step from the plan, as a share of the largest, but
+    for what rounding may make of it."""
     costates: Array
     """(m, 6) of the first step."""
 
@@ -106,6 +111,10 @@ class Certifier:
     """Whether a step without a solve is answered by a law, not by the failure ladder."""
     watches: bool = True
     """Whether the method looks for standstills."""
+    command: str = "torque_command.torque"
+    """Field of what the solver commands."""
+    tracking: Callable[[Scenario], Any] | None = None
+    """Builds what solves, where the controller does more; None: the controller."""
 
     @classmethod
     def from_scenario(cls, scenario: Scenario) -> Certifier | None:
@@ -118,6 +127,10 @@ class Certifier:
     def ocp(self) -> AttitudeOcp:
         """The problem as the method has it."""
         return self.problem.ocp
+
+    def controller(self, scenario: Scenario) -> Any:
+        """Return a new controller that solves as the flown one did."""
+        return scenario.build_controller() if self.tracking is None else self.tracking(scenario)
 
     def warm_up(self) -> None:
         """Compile or load the kernel."""
@@ -158,6 +171,9 @@ class Certifier:
         terms, steep = made_of(problem, s, share)
         size = np.maximum(terms[:, 1], costate)
         corrected = correction(problem, s, factors, limit.left)
+        cost, least = cost_of(problem, s, limit.sigma), least_cost(problem, s)
+        rounding = ROUNDING * terms + COSINE * steep
+        corrected = np.maximum(corrected - rounding[:, 1], 0.0)
         exist = np.asarray(exists.all(axis=1) & track.exists)
         found = Certificates(
             exists=exist,
@@ -166,12 +182,13 @@ class Certifier:
             first_defect=pushed[:, 0],
             residual=np.linalg.norm(limit.left, axis=(1, 2)),
             radius_defect=limit.radius_defect,
-            cost=cost_of(problem, s, limit.sigma),
+            cost=cost,
+            cost_rounding=least + 2.0 * np.sqrt(cost * least),
             largest=np.linalg.norm(u, axis=2).max(axis=1),
             curvature=smallest_pivot(problem, factors),
             multiplier=share - 1.0,
             made_of=size,
-            rounding=ROUNDING * terms + COSINE * steep,
+            rounding=rounding,
             correction=corrected / np.maximum(costate, 1e-300),
             costates=lam[:, 0],
         )
@@ -197,6 +214,14 @@ def _of_existing(found: Certificates, claimed: Array) -> Certificates:
 def of_penalties(scenario: Scenario) -> Certifier:
     """Certify plans of Newton's method on the cost with penalties."""
     return Certifier(Problem.of(problem_of(scenario)), (_formulation(scenario),))
+
+
+def of_tracking(scenario: Scenario) -> Certifier:
+    """Certify, likewise, those that track a plan; bounds are kept after them."""
+    from spacecraft_gnc.vehicles.rigid_body.controllers.planned.tracking import tracking_of
+
+    certifier = of_penalties(scenario)
+    return replace(certifier, command="plan_status.nominal_torque", tracking=tracking_of)
 
 
 def of_corrections(scenario: Scenario) -> Certifier:

@@ -149,7 +149,8 @@ class LadderAudit:
         found, at = sample(self._evidence, step), np.array([step])
         command = self._ladder.command(found.state, found.reference, None)
         sources = {_SOURCE: np.array([float(found.source)])}, {_SOURCE: np.array([command.source])}
-        torques = {TORQUE_FIELD: found.torque[None]}, {TORQUE_FIELD: command.control[None]}
+        where = self._certifier.command
+        torques = {where: found.torque[None]}, {where: command.control[None]}
         linear = command.source == Source.NEIGHBORING_EXTREMAL
         scale = self._limit or max(float(np.abs(found.torque).max()), 1e-300)
         limit, unit = (SENSITIVE * scale, "N m") if linear else (None, "")

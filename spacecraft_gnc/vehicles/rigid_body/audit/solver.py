@@ -187,7 +187,7 @@ class SolverAudit:
         momentum = evidence.rows(STATE, "angular_momentum", steps)
         compare("plan starts at the state", steps, {where: plans.momenta[:, 0]}, {where: momentum})
         flown = (rows["status"] != Status.ESCAPING) & np.isin(steps, evidence.columns[TORQUE].steps)
-        where = "torque_command.torque"
+        where = self._certifier.command
         command = evidence.rows(TORQUE, "torque", steps[flown])
         compare(
             "command = first torque of the plan", steps[flown], {where: command},

@@ -14,7 +14,7 @@ from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.ocp.neighboring import FORMULATION as NEIGHBORING
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier, Plans
-from spacecraft_gnc.vehicles.rigid_body.audit.rungs import TORQUE_FIELD, restored, sample
+from spacecraft_gnc.vehicles.rigid_body.audit.rungs import restored, sample
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import monitor_of
 from spacecraft_gnc.vehicles.rigid_body.controllers.standstill import Finding
 
@@ -106,9 +106,9 @@ class StandstillAudit:
             "constraint leaned on", "the same", at, "solver_status.active_constraint", same
         )
         if found.standstill.escaping:
-            flown = sample(self._evidence, step).torque[None]
+            flown, where = sample(self._evidence, step).torque[None], self._certifier.command
             scale = self._certifier.ocp.max_torque or max(float(np.abs(flown).max()), 1e-300)
             ledger.compare(
-                "command that leaves a standstill", at, {TORQUE_FIELD: flown},
-                {TORQUE_FIELD: found.torque[None]}, RADIUS * scale, "N m",
+                "command that leaves a standstill", at, {where: flown},
+                {where: found.torque[None]}, RADIUS * scale, "N m",
             )  # fmt: skip

@@ -4,16 +4,16 @@ Phogat et al., (5.6)-(5.8), derived once more from the step's equations
 
     h hat(Pi) = F Jd - Jd F^T,    R+ = R F,    Pi+ = F^T Pi + h u.
 
-With F exp(hat(xi)) for a change dPi, the first one gives h F^T dPi = (tr(Jd F) I - Jd F) xi, so that
-xi = B dPi and dPi+ = A dPi + h du with A = F^T + hat(F^T Pi) B. To first order the end turns by the
-sum of C dPi, C = (R_N^T R+) B, in its own frame. With gamma the price of Pi+, over h, and c that of
-the end, the Lagrangian of sum |u|^2 / 2 is stationary where
+With F exp(hat(xi)) for a change dPi, the first one gives h F^T dPi = (tr(Jd F) I - Jd F) xi, so
+that xi = B dPi and dPi+ = A dPi + h du, with A = F^T + hat(F^T Pi) B. To first order the end turns
+by the sum of C dPi, C = (R_N^T R+) B, in its own frame. With gamma the price of Pi+, over h, and c
+that of the end, the Lagrangian of sum |u|^2 / 2 is stationary where
 
     u + gamma + alpha = 0,
     h beta_k + A_k^T gamma_k - gamma_k-1 + h C_k^T c = 0,
 
-alpha and beta being the multipliers of the bounds. The paper's zeta_0 is h^2 R_1^T R_N c. No step is
-solved for: F is the turn between told attitudes. Nothing of the planner is used.
+alpha and beta being the multipliers of the bounds. The paper's zeta_0 is h^2 R_1^T R_N c. No step
+is solved for: F is the turn between told attitudes. Nothing of the planner is used.
 """
 
 from __future__ import annotations
@@ -119,13 +119,11 @@ def first_order(plan: Transfer) -> FirstOrder:
     """Return by how much the first-order conditions are violated."""
     h, F, Jd, Pi = plan.time_step, plan.turns, plan.nonstandard, plan.momenta
     unit_u, unit_p = plan.units
-    inner, low, high = Pi[1:-1], *plan.limits[2:]
-    beyond = max(
-        _beyond(plan.torques, *plan.limits[:2]) / unit_u, _beyond(inner, low, high) / unit_p
-    )
+    inner, (low_u, high_u, low, high) = Pi[1:-1], plan.limits
+    beyond = max(_beyond(plan.torques, low_u, high_u) / unit_u, _beyond(inner, low, high) / unit_p)
     priced = np.vstack([np.zeros((1, 3)), plan.momentum_multipliers[1:-1], np.zeros((1, 3))])
     signs = max(
-        _wrong(plan.torques, plan.torque_multipliers, *plan.limits[:2], NEAR * unit_u),
+        _wrong(plan.torques, plan.torque_multipliers, low_u, high_u, NEAR * unit_u),
         h * _wrong(inner, priced[1:-1], low, high, NEAR * unit_p),
         h * _largest(plan.momentum_multipliers - priced),
     )
@@ -156,8 +154,9 @@ def linearization(plan: Transfer) -> tuple[Array, Array, Array]:
 
 def _stage(plan: Transfer, F: Array, Pi: Array) -> tuple[Array, Array]:
     """Return A and B; F and Pi may be complex, where Pi takes an imaginary step."""
-    B = plan.time_step * np.linalg.solve(trace_minus(plan.nonstandard @ F), transposed(F))
-    return transposed(F) + hats(times(transposed(F), Pi)) @ B, B
+    solved = np.linalg.solve(trace_minus(plan.nonstandard @ F), transposed(F))
+    B = np.asarray(plan.time_step * solved)
+    return np.asarray(transposed(F) + hats(times(transposed(F), Pi)) @ B), B
 
 
 def _co_momentum_gaps(plan: Transfer) -> Array:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +12,7 @@ import numpy as np
 from spacecraft_gnc.audit.limits import Exceedance, beyond
 from spacecraft_gnc.drawing.zones import pointing_margin_deg
 from spacecraft_gnc.types import Array, as_actuators
+from spacecraft_gnc.vehicles.rigid_body.transfer import real_limits
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
@@ -20,8 +23,8 @@ def limits_exceeded(
 ) -> tuple[Exceedance, ...]:
     """Return the limits that a flight exceeded by more than 0.1 %.
 
-    Those of the controller on the norm of its controls, of a governor on torque and momentum, and
-    of the pointing zones.
+    Those of the controller on the norm of its controls, of a governor on torque and momentum, of a
+    plan on their components, and of the pointing zones.
 
     Parameters
     ----------
@@ -51,10 +54,26 @@ def _exceedances(
         value = _largest(np.linalg.norm(vectors, axis=1))
         if bound > 0.0:
             yield Exceedance(name, value / bound, value, bound, unit)
+    if "plan.duration" in (*scenario.method.reads, *scenario.law.reads):
+        yield from _of_plan(scenario, torques, momenta)
     for zone in controller.zones:
         depth = _largest(-pointing_margin_deg(attitudes, zone))
         half_angle = zone.half_angle_deg
         yield Exceedance(f"zone {zone.name}", 1.0 + depth / half_angle, depth, half_angle, "deg")
+
+
+def _of_plan(scenario: Scenario, torques: Array, momenta: Array) -> Iterator[Exceedance]:
+    """Return what became of the bounds of a plan, on components: ``torque x``, ``torque -x``..."""
+    bounds = real_limits(scenario)
+    for name, vectors, pair, unit in (
+        ("torque", torques, bounds[:2], "N m"),
+        ("momentum", momenta, bounds[2:], "N m s"),
+    ):
+        for (side, sign), axis in product((("-", -1.0), ("", 1.0)), range(3)):
+            bound = sign * float(pair[int(sign > 0.0), axis])
+            if math.isfinite(bound):
+                value = _largest(sign * vectors[:, axis])
+                yield Exceedance(f"{name} {side}{'xyz'[axis]}", value / bound, value, bound, unit)
 
 
 def _largest(values: Array) -> float:

@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 from spacecraft_gnc.arguments import require_kind
 from spacecraft_gnc.governors.planned.guard import BoundGuard
 from spacecraft_gnc.governors.planned.keeper import PlanKeeper
 from spacecraft_gnc.loop.protocols import Command, Reference, State
-from spacecraft_gnc.ocp import ShootingSolver
+from spacecraft_gnc.vehicles.rigid_body.controllers.planned.tracking import tracking_of
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import SolveReport
-from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
-    ShootingController,
-    continuation_of,
-    monitor_of,
-    options_of,
-    problem_of,
-)
+from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
 from spacecraft_gnc.vehicles.rigid_body.plan_keeper import guard_of, keeper_of
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
@@ -52,13 +44,8 @@ class PlannedController:
         GncError
             If a parameter is refused, or no plan is found from the start to the target.
         """
-        guard, ocp = guard_of(scenario), problem_of(scenario)
-        solver = ShootingSolver(ocp, scenario.controller.variant, options_of(scenario))
-        way = continuation_of(scenario, ocp)
-        if way is not None:
-            way.patience = math.inf  # on a plan, many Newton steps are rounding, not a long way
-        tracking = ShootingController(solver, monitor_of(scenario, ocp), way)
-        return cls(tracking, keeper_of(scenario, guard), guard)
+        guard = guard_of(scenario)
+        return cls(tracking_of(scenario), keeper_of(scenario, guard), guard)
 
     @property
     def waits(self) -> bool:
