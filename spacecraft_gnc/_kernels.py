@@ -22,6 +22,8 @@ _PACKAGE: Final = __name__.partition(".")[0]
 _PATIENCE: Final = 1.0  # [s] of compiling; a single kernel for a new type takes less
 
 kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
+unlocked_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True)
+"""For kernels that take milliseconds, called from Python: other threads run meanwhile."""
 
 
 class _Notice(event.Listener):  # type: ignore[misc]  # numba has no types

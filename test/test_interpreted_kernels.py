@@ -28,7 +28,9 @@ from spacecraft_gnc.ocp import (
     AttitudeOcp, NeighboringExtremal, NeighboringOptions, PointingZone, ShootingOptions,
     ShootingSolver, TerminalSetOcp, TerminalSetSolver, Weights, linearize,
 )
-from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolver
+from spacecraft_gnc.ocp.transfer import (
+    AttitudeTransfer, TransferSolver, shortest_possible_steps,
+)
 from spacecraft_gnc.types import Reference, State
 
 J = np.array([[1.0, 0.05, -0.1], [0.05, 0.8, 0.02], [-0.1, 0.02, 0.9]])
@@ -118,11 +120,11 @@ _audit_kernels.resume(body.packed, 0.2, 2, R[None].copy(), Pi[None].copy(), u[:1
 found |= {"resumed_attitude": ends[0], "resumed_momentum": ends[1]}
 for homotopy in (True, False):
     bounds = {"torque": 0.04, "momentum": 0.09} if homotopy else {}
-    o = TransferSolver(starts=1, homotopy=homotopy).solve(
-        AttitudeTransfer(body=RigidBody(J, 0.4), n_steps=20, goal=R, **bounds)
-    )
+    transfer = AttitudeTransfer(body=RigidBody(J, 0.4), n_steps=20, goal=R, **bounds)
+    o = TransferSolver(starts=1, homotopy=homotopy).solve(transfer)
     assert o.converged and bool(o.active) == homotopy
     found |= {f"transfer_{homotopy}": o.torque, f"transfer_{homotopy}_co": o.co_momentum}
+    found[f"transfer_{homotopy}_least"] = shortest_possible_steps(transfer)
 np.savez(
     sys.argv[1], torques=s.torques, costates=s.costates, cost=s.cost, curvature=s.min_curvature,
     attitudes=attitudes, momenta=momenta, gradient=ocp.gradient(u, R, Pi),

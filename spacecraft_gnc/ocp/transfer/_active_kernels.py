@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import kernel, unlocked_kernel
 from spacecraft_gnc.ocp.transfer._interior_kernels import (
     CONVERGED,
     NOT_FINITE,
@@ -56,7 +56,7 @@ def project(x, z, active, lo, hi, first, last):
     return changes
 
 
-@kernel
+@unlocked_kernel
 def active_set(body, h, first, units, limits, most, plan, z, sets, arena, told):
     """Algorithm 2 from ``plan`` = (u, Pi, lam, m), which the answer replaces; a `Status` value.
 
@@ -122,7 +122,7 @@ def active_set(body, h, first, units, limits, most, plan, z, sets, arena, told):
     return SPENT
 
 
-@kernel
+@unlocked_kernel
 def is_minimum(h, stage, sets, units, curvature, D, g, Dp, gp, gap, step):
     """Whether the reduced Hessian is at least ``curvature``, with a large weight on what is kept.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import kernel, unlocked_kernel
 
 
 @kernel
@@ -31,7 +31,7 @@ def coupling(h, quadratic, spread, p, norm, sine, out):
         out[i] = h * total + error
 
 
-@kernel
+@unlocked_kernel
 def envelope(h, quadratic, spread, moment, torque, box, ends, work, largest, norms):
     """Bounds of the components |Pi_k| into ``largest`` (N, 3), and of their norm into ``norms``.
 
@@ -65,37 +65,39 @@ def envelope(h, quadratic, spread, moment, torque, box, ends, work, largest, nor
 
 
 @kernel
-def farthest(h, inverse, spread, moment, axis, weights, largest, norms, corners, turned):
+def corner(h, inverse, axis, a, b, c):
+    """Sizes of w . n and w x n, and of w, for the rotation vector w = h J^-1 (a, b, c)."""
+    x = h * (inverse[0, 0] * a + inverse[0, 1] * b + inverse[0, 2] * c)
+    y = h * (inverse[1, 0] * a + inverse[1, 1] * b + inverse[1, 2] * c)
+    z = h * (inverse[2, 0] * a + inverse[2, 1] * b + inverse[2, 2] * c)
+    along, square = x * axis[0] + y * axis[1] + z * axis[2], x * x + y * y + z * z
+    return abs(along), math.sqrt(max(0.0, square - along * along)), math.sqrt(square)
+
+
+@unlocked_kernel
+def farthest(h, inverse, spread, moment, axis, weights, largest, norms, turned):
     """Add up over the steps the largest |w . n| + c |w x n| for each c of ``weights``, and |w x n|.
 
     ``w`` is the rotation vector of a step, n the ``axis``; at last the largest |w|. ``turned`` has
     these sums, in this order; each maximum is at a corner of the box of the momentum.
     """
-    count = weights.shape[0]
+    count, errors = weights.shape[0], 0.0
     turned[:] = 0.0
     for k in range(largest.shape[0]):
         sine = h * norms[k] / moment
         longer = math.asin(sine) / sine if sine > 1e-9 else 1.0 + 1e-9
-        error = half_sine_squared(sine) * spread
-        p = largest[k]
-        for corner in range(4):
-            b = p[1] if corner % 2 == 0 else -p[1]
-            c = p[2] if corner < 2 else -p[2]
-            along, square = 0.0, 0.0
-            for i in range(3):
-                w = h * (inverse[i, 0] * p[0] + inverse[i, 1] * b + inverse[i, 2] * c)
-                along += w * axis[i]
-                square += w * w
-            corners[corner, 0] = abs(along)
-            corners[corner, 1] = math.sqrt(max(0.0, square - along * along))
-            corners[corner, 2] = math.sqrt(square)
-        for j in range(count + 2):
-            best = 0.0
-            for corner in range(4):
-                if j < count:
-                    value = corners[corner, 0] + weights[j] * corners[corner, 1]
-                else:
-                    value = corners[corner, j - count + 1]
-                best = max(best, value)
-            share = math.sqrt(1.0 + weights[j] * weights[j]) if j < count else 1.0
-            turned[j] += longer * (best + share * error)
+        errors += longer * half_sine_squared(sine) * spread
+        a, b, c = largest[k, 0], largest[k, 1], largest[k, 2]
+        n0, x0, w0 = corner(h, inverse, axis, a, b, c)
+        n1, x1, w1 = corner(h, inverse, axis, a, -b, c)
+        n2, x2, w2 = corner(h, inverse, axis, a, b, -c)
+        n3, x3, w3 = corner(h, inverse, axis, a, -b, -c)
+        for j in range(count):
+            v = weights[j]
+            best = max(n0 + v * x0, n1 + v * x1, n2 + v * x2, n3 + v * x3)
+            turned[j] += longer * best
+        turned[count] += longer * max(x0, x1, x2, x3)
+        turned[count + 1] += longer * max(w0, w1, w2, w3)
+    for j in range(count + 2):
+        v = weights[j] if j < count else 0.0
+        turned[j] += math.sqrt(1.0 + v * v) * errors

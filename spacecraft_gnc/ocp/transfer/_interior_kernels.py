@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import kernel, unlocked_kernel
 from spacecraft_gnc.ocp.transfer._riccati_kernels import newton_step
 from spacecraft_gnc.ocp.transfer._stage_kernels import first_order, linearize, move
 
@@ -172,7 +172,7 @@ def regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step):
     return SINGULAR, added
 
 
-@kernel
+@unlocked_kernel
 def interior(body, h, first, units, limits, most, plan, z, arena, told):
     """Solve from ``plan`` = (u, Pi, lam, m), which the answer replaces; returns a `Status` value.
 

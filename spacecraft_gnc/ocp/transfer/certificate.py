@@ -8,13 +8,21 @@ s = (J_max - J_min) / J_min. From both ends, and with its bounds, this is a box 
 **Step.** With w the rotation vector of the step, 2 q0 q + 2 J^-1 (q x J q) = h J^-1 Pi is
 sinc(|w|) w = h J^-1 Pi - e, |e| <= s |q|^2. What is convex in Pi is largest at a corner of the box.
 
-**Way.** Let the transfer turn by theta <= pi about n. Steps turn by at most |w| each. Moreover the
-body's axis n ends where it began: on the unit sphere it goes round a loop of length
-L <= sum |w x n|, and the turn about it is the sum of w . n and the area of the loop, up to whole
-turns. A loop of length L < 2 pi encloses at most A(L) = 2 pi - sqrt(4 pi^2 - L^2) (isoperimetric
-inequality of the sphere; where it crosses itself, of each of its parts, as A is convex). So
+**Way.** Steps turn by at most |w| each, which have to add up to the angle of the transfer.
+Moreover, for any axis a of the body, the transfer swings a by phi and turns by tau <= pi about it.
+On the unit sphere, a goes a way of length L, phi <= L <= sum |w x a|, and tau is the sum of w . a
+and the area between this way and the shortest one, up to whole turns. That area is at most
 
-    theta <= max over L of (min over c >= 0 of (sum max(|w . n| + c |w x n|) - c L) + A(L)).
+    D(L) = min(A(L + phi), A(2 L) / 2),    A(l) = 2 pi - sqrt(4 pi^2 - l^2),
+
+as a loop of length l < 2 pi encloses at most A(l) (isoperimetric inequality of the sphere; where
+the loop crosses itself, of each of its parts, as A is convex), and the way with itself, turned by
+half a turn about the middle between its ends, is a loop too. So for each a
+
+    tau <= max over L of (min over c >= 0 of (sum max(|w . a| + c |w x a|) - c L) + D(L)).
+
+The axis of the transfer itself is tried (phi = 0), those on which the torque limits the turn (for
+a diagonal inertia the axes of the body), and some between them.
 
 Where one of these fails, no torque within the bounds makes the transfer.
 """
@@ -22,6 +30,7 @@ Where one of these fails, no torque within the bounds makes the transfer.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
@@ -29,15 +38,19 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.ocp.transfer._bound_kernels import envelope, farthest
 from spacecraft_gnc.ocp.transfer.problem import AttitudeTransfer
-from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.types import Array, Matrix3, Vector3
 
 _WEIGHTS: Final = np.concatenate([[0.0], np.geomspace(0.02, 8.0, 19)])
 _LENGTHS: Final = 400  # intervals of L
+_SHARES: Final = (1.0, 0.5, 0.75, 0.25)  # of an axis of the body, the rest of the transfer's
 _SURE: Final = 1.0 + 1e-9  # for rounding
 
 
-def is_too_short(problem: AttitudeTransfer, n_steps: int) -> bool:
-    """Tell whether no torque within the bounds makes the transfer in ``n_steps`` steps."""
+def is_too_short(problem: AttitudeTransfer, n_steps: int, thorough: bool = True) -> bool:
+    """Tell whether no torque within the bounds makes the transfer in ``n_steps`` steps.
+
+    Unless it is to be ``thorough``, of the axes only that of the transfer is tried.
+    """
     body, h = problem.body, problem.body.time_step
     ends = np.abs([problem.start_momentum, problem.goal_momentum])
     torque, box = np.abs(problem.limits).reshape(2, 2, 3).max(axis=1)
@@ -57,11 +70,21 @@ def is_too_short(problem: AttitudeTransfer, n_steps: int) -> bool:
     ):
         return False
     turned = np.empty(len(_WEIGHTS) + 2)
-    farthest(
-        h, inverse, spread, moments[0], turn / angle, _WEIGHTS, largest, sizes, np.empty((4, 3)),
-        turned,
-    )  # fmt: skip
-    return min(float(turned[-1]), _most_about_axis(turned[:-2], float(turned[-2]))) * _SURE < angle
+    for axis in _axes(turn / angle, body.inertia) if thorough else [turn / angle]:
+        farthest(h, inverse, spread, moments[0], axis, _WEIGHTS, largest, sizes, turned)
+        if turned[-1] * _SURE < angle or _is_out_of_reach(turn, axis, turned):
+            return True
+    return False
+
+
+def _axes(direction: Vector3, inertia: Matrix3) -> Iterator[Vector3]:
+    """Yield the axes of the body that are tried, the transfer's first."""
+    yield direction
+    for share in _SHARES:
+        for row in inertia:
+            facet = math.copysign(1.0, row @ direction) * row / np.linalg.norm(row)
+            axis = (1.0 - share) * direction + share * facet
+            yield axis / np.linalg.norm(axis)
 
 
 def _gyroscopic(inverse: Matrix3) -> Array:
@@ -71,17 +94,26 @@ def _gyroscopic(inverse: Matrix3) -> Array:
     return np.asarray(np.abs(symmetric).transpose(2, 0, 1))
 
 
-def _most_about_axis(weighted: Array, longest: float) -> float:
-    """Return the largest angle about the axis, of a loop of at most this length."""
-    edges = np.linspace(0.0, longest, _LENGTHS + 1)
+def _is_out_of_reach(turn: Vector3, axis: Vector3, turned: Array) -> bool:
+    """Tell whether the swing of the axis, or the turn about it, is more than can be made."""
+    angle = float(np.linalg.norm(turn))
+    along = math.sin(0.5 * angle) * float(turn @ axis) / angle
+    about = 2.0 * math.atan2(abs(along), math.cos(0.5 * angle))
+    swing = 2.0 * math.acos(min(1.0, math.hypot(along, math.cos(0.5 * angle))))
+    longest = float(turned[-2]) * _SURE
+    if longest < swing:
+        return True
+    edges = np.linspace(swing, longest, _LENGTHS + 1)
     # On each interval, the largest of what decreases with L and of what increases.
-    along = (weighted[:, None] - _WEIGHTS[:, None] * edges[:-1]).min(axis=0)
-    return float((along + _area(edges[1:])).max())
+    directly = (turned[:-2, None] - _WEIGHTS[:, None] * edges[:-1]).min(axis=0)
+    area = np.minimum(_area(edges[1:] + swing), 0.5 * _area(2.0 * edges[1:]))
+    return float((directly + area).max()) * _SURE < about
 
 
 def _area(length: Array) -> Array:
-    """Return the largest area within a loop on the unit sphere."""
-    return 2.0 * math.pi - np.sqrt(np.maximum(4.0 * math.pi**2 - length**2, 0.0))
+    """Return the largest area within a loop on the unit sphere; infinite from 2 pi on."""
+    rest = 4.0 * math.pi**2 - length**2
+    return np.where(rest > 0.0, 2.0 * math.pi - np.sqrt(np.maximum(rest, 0.0)), math.inf)
 
 
 def shortest_possible_steps(problem: AttitudeTransfer) -> int:

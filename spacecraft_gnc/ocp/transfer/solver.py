@@ -31,9 +31,10 @@ from spacecraft_gnc.ocp.transfer.starts import NAMES, Start, make_start
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 
-_BISECTIONS: Final = 12
+_BISECTIONS: Final = 9
 _LEAST_CURVATURE: Final = 1e-9
 _POLISH: Final = 40  # Newton steps of Algorithm 2
+_FEASIBLE: Final = (Status.CONVERGED, Status.SADDLE)
 
 
 class Found(NamedTuple):
@@ -121,7 +122,7 @@ class TransferSolver:
                 as_finite("momentum", momentum, (N + 1, 3), f"{N + 1} momenta [N m s]"),
             )
             tried.append((given.name, self._run(problem, given, arena)))
-        elif is_too_short(problem, problem.n_steps):
+        elif is_too_short(problem, problem.n_steps, thorough=False):
             name = NAMES[0]
             tried.append((name, _not_run(problem, make_start(problem, name))))
         else:
@@ -130,6 +131,8 @@ class TransferSolver:
                     break
                 tried.append((name, self._run(problem, make_start(problem, name), arena)))
         found = min((one for _, one in tried), key=lambda one: one.rank)
+        if found.status not in _FEASIBLE and is_too_short(problem, problem.n_steps):
+            found = found._replace(status=Status.INFEASIBLE)
         summary = tuple(Tried(name, one.status, one.cost, one.iterations) for name, one in tried)
         return self._conclude(problem, found, summary, arena, begun)
 
@@ -193,7 +196,8 @@ class TransferSolver:
         elif status == Status.CONVERGED:
             reason = "the conditions hold, and the reduced Hessian is positive definite"
         else:
-            reason = f"{len(tried)} starts led to no minimum within the bounds: none is proven"
+            starts = ", ".join(f"{one.start}: {one.status.text}" for one in tried)
+            reason = f"no plan was found ({starts}), nor a proof that there is none"
         return TransferSolution(
             problem=problem,
             status=status,

@@ -13,8 +13,9 @@ from transfer_cases import paper_transfer
 from spacecraft_gnc import lie
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import GncError
-from spacecraft_gnc.ocp.transfer import AttitudeTransfer, shortest_possible_steps
+from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolver, shortest_possible_steps
 from spacecraft_gnc.ocp.transfer.certificate import _gyroscopic, is_too_short
+from spacecraft_gnc.status import Status
 
 _SLACK = 1.0 + 1e-12  # of the bounds, for rounding
 
@@ -92,3 +93,21 @@ def test_one_unlimited_axis_proves_nothing_that_is_not_so():
     assert 2 < shortest_possible_steps(unlimited) < shortest_possible_steps(limited)
     no_bounds = paper_transfer(90.0, (0.0, 1.0, 0.0), 30.0, torque=None, momentum=None)
     assert shortest_possible_steps(no_bounds) == 2
+
+
+def test_swing_of_an_axis_rules_out_what_the_transfer_s_own_does_not():
+    """Near the y axis, the torque about y limits: x and z cannot help and return."""
+    transfer = paper_transfer(26.0, (-0.17, 0.98, -0.03), 9.3)
+    assert not is_too_short(transfer, transfer.n_steps, thorough=False)
+    assert is_too_short(transfer, transfer.n_steps)
+    plan = TransferSolver().solve(transfer)
+    assert plan.status == Status.INFEASIBLE
+    assert "no torque makes it in less than 10" in plan.reason
+    assert all(one.status != Status.INFEASIBLE for one in plan.tried)
+
+
+def test_what_is_neither_found_nor_ruled_out_is_told():
+    plan = TransferSolver().solve(paper_transfer(90.0, (1.0, 0.0, 0.0), 20.0))
+    assert plan.status not in (Status.INFEASIBLE, Status.CONVERGED)
+    assert "no plan was found (eigenaxis: singular, " in plan.reason
+    assert "nor a proof" in plan.reason
