@@ -8,6 +8,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -38,11 +39,14 @@ def bench(
     peers: PeersOption = True,
     quiet: QuietOption = False,
 ) -> None:
-    """Measure the speed of Gupta's Case I, layer by layer; figures for docs/performance.md."""
+    """Measure the speed of Gupta's Case I, layer by layer, and of the planner of transfers.
+
+    Figures for docs/performance.md.
+    """
     if graph:
         require_ros()
     with show_progress("measuring", silent=quiet) as progress:
-        figures = _measure(graph, progress)
+        figures = _measure(graph, peers, progress)
     if not quiet:
         _print(figures)
     if peers and _PEERS.is_file():
@@ -55,10 +59,10 @@ def bench(
             print(f"written to {result}")
 
 
-def _measure(graph: bool, progress: Progress) -> dict[str, Any]:
+def _measure(graph: bool, peers: bool, progress: Progress) -> dict[str, Any]:
     """Measure one layer after the other; return the figures by name."""
     from spacecraft_gnc.scenario import load
-    from spacecraft_gnc.studies import speed
+    from spacecraft_gnc.studies import phogat_speed, speed
 
     path = shipped("gupta2015_case1")
     case_1, case_2 = load(path), load(shipped("gupta2015_case2_offplane"))
@@ -72,7 +76,10 @@ def _measure(graph: bool, progress: Progress) -> dict[str, Any]:
         "loop_case_2": lambda: speed.time_flight(case_2.build()),
         "loop_neighboring": lambda: speed.time_flight(neighboring.build()),
         "governor": lambda: speed.time_governor(governed),
+        "planner": phogat_speed.time_planner,
     }
+    if peers and find_spec("casadi") is not None:
+        layers["planner_beside_ipopt"] = phogat_speed.time_beside_ipopt
     if graph:
         for name, options in _GRAPHS.items():
             layers[name] = partial(_time_graph, path, options)
@@ -127,7 +134,24 @@ def _print(figures: dict[str, Any]) -> None:
     ]
     flown = {name: figures[name]["steps_per_second"] for name in _GRAPHS if name in figures}
     rows += [(name.replace("_", ", "), f"{rate:.0f} steps/s") for name, rate in flown.items()]
-    print_table(rows)
+    print_table([*rows, *_planner_rows(figures)])
+
+
+def _planner_rows(figures: dict[str, Any]) -> list[tuple[str, str]]:
+    planner, beside = figures["planner"], figures.get("planner_beside_ipopt")
+    rows = [("transfer, 190 steps", _times(planner["solves"], 1e3, "ms"))]
+    for one in planner["lengths"]:
+        text = f"{1e3 * one['time']:.3g} ms, {one['iterations']} Newton steps"
+        rows.append((f"figure 4, {one['n_steps']} steps", text))
+    if beside is None:
+        return rows
+    ratio = beside["ratio"]
+    return [
+        *rows,
+        ("transfer, one start", _times(beside["ours"], 1e3, "ms")),
+        ("the same by IPOPT", _times(beside["ipopt"], 1e3, "ms")),
+        ("ratio", f"{ratio['median']:.1f} median, {ratio['samples']} transfers"),
+    ]
 
 
 def _times(q: dict[str, float], factor: float, unit: str) -> str:

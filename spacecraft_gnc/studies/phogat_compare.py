@@ -76,13 +76,18 @@ class Comparison:
                     break
                 answer = ipopt.solve(problem, further)
                 cost, starts = min(cost, answer.cost if answer.solved else math.inf), starts + 1
-        times = math.nan, math.nan
-        if first.solved and _alone(problem, start).converged:
-            times = (
-                _least(lambda: _alone(problem, start).solve_time),
-                _least(lambda: ipopt.solve(problem, start).solve_time),
-            )
+        times = self.times(problem) if first.solved else (math.nan, math.nan)
         return Compared(plan, cost if math.isfinite(cost) else math.nan, starts, *times)
+
+    def times(self, problem: AttitudeTransfer) -> tuple[float, float]:
+        """Return the times of ours and of IPOPT from the straight start [s]; NaN if one fails."""
+        start, ipopt = make_start(problem, STRAIGHT), self._ipopt(problem.n_steps)
+        if not (_alone(problem, start).converged and ipopt.solve(problem, start).solved):
+            return math.nan, math.nan
+        return (
+            _least(lambda: _alone(problem, start).solve_time),
+            _least(lambda: ipopt.solve(problem, start).solve_time),
+        )
 
     def _ipopt(self, n_steps: int) -> Any:
         if n_steps not in self._built:

@@ -25,6 +25,7 @@ OPTIONS: Final[dict[str, Any]] = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.max_iter": 500,
+    "ipopt.max_cpu_time": 5.0,  # [s]; a plan takes 0.1, the search for none may take minutes
     "ipopt.mu_strategy": "adaptive",  # fewer iterations than with the default
     "ipopt.tol": 1e-9,
 }

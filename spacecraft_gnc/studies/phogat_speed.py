@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -45,16 +46,30 @@ def growth(found: tuple[Length, ...]) -> float:
 
 
 def time_planner(count: int = 200) -> dict[str, Any]:
-    """Time random transfers of 190 steps: whole calls with every start, those that are solved."""
+    """Time the plans of random transfers of 190 steps: every start, with the certificate.
+
+    ``solves``: of those that have a plan; ``lengths``: figure 4 over the number of steps.
+    """
     solver = TransferSolver()
-    plans = [solver.solve(random_transfer(index, STEPS)) for index in range(-1, count)][1:]
-    return quantiles(np.array([plan.solve_time for plan in plans if plan.converged]))
+    solver.solve(random_transfer(0, STEPS))
+    plans = [solver.solve(random_transfer(index, STEPS)) for index in range(count)]
+    solves = np.array([plan.solve_time for plan in plans if plan.converged])
+    lengths = time_lengths()
+    return {
+        "solves": quantiles(solves),
+        "lengths": [length._asdict() for length in lengths],
+        "growth": growth(lengths),
+    }
 
 
 def time_beside_ipopt(count: int = 20) -> dict[str, Any]:
-    """Time the same transfers by ours and by IPOPT, both from the straight start."""
-    comparison = Comparison()
-    found = [comparison.of(random_transfer(index, STEPS)) for index in range(count)]
-    times = np.array([(one.ours, one.ipopts) for one in found])
-    ours, ipopts = times[np.isfinite(times).all(axis=1)].T
+    """Time the same transfers of 190 steps by ours and by IPOPT, both from the straight start."""
+    comparison, solver = Comparison(), TransferSolver(starts=1)
+    times: list[tuple[float, float]] = []
+    for problem in (random_transfer(index, STEPS) for index in itertools.count()):
+        if len(times) == count:
+            break
+        if solver.solve(problem).converged:
+            times.append(comparison.times(problem))
+    ours, ipopts = np.array(times)[np.isfinite(times).all(axis=1)].T
     return {"ours": quantiles(ours), "ipopt": quantiles(ipopts), "ratio": quantiles(ipopts / ours)}
