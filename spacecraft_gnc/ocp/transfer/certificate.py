@@ -91,7 +91,7 @@ def _gyroscopic(inverse: Matrix3) -> Array:
     """Return (3, 3, 3) sizes of the symmetric forms (J^-1 p x p)_i."""
     forms = np.array([np.cross(inverse.T, np.eye(3)[k]) for k in range(3)])  # [k, l, i]: p_k, p_l
     symmetric = 0.5 * (forms + forms.transpose(1, 0, 2))
-    return np.asarray(np.abs(symmetric).transpose(2, 0, 1))
+    return np.ascontiguousarray(np.abs(symmetric).transpose(2, 0, 1))
 
 
 def _is_out_of_reach(turn: Vector3, axis: Vector3, turned: Array) -> bool:
