@@ -27,6 +27,7 @@ from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.drawing.zones import pointing_margin_deg
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.status import Status
+from spacecraft_gnc.vehicles.rigid_body import live_plan
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 _METHOD: Final = source_name(Source.METHOD)
@@ -42,40 +43,52 @@ class RigidBodyLive:
     """Implements `drawing.live.VehicleLive`."""
 
     fields: Final = {
+        **live_plan.FIELDS,
         "curvature": "solver_status/min_curvature",
         "admissible": "governor_status/admissible",
         "constraint": "governor_status/active_constraint",
     }
-    history: Final = ("error_deg", "target_error_deg", "momentum", "torque", "source")
+    history: Final = (
+        "error_deg", "target_error_deg", "momentum", "torque", "source", *live_plan.HISTORY,
+    )  # fmt: skip
 
     def constants(self, scenario: Scenario | None) -> dict[str, Any]:
-        """Return ``torque_limit`` [N m] (0: none), ``target`` (3, 3) and ``zones``.
+        """Return ``torque_limit`` [N m] (0: none), ``target`` (3, 3), ``zones`` and ``bounds``.
 
-        ``target`` is None where the reference moves by itself.
+        ``target`` is None where the reference moves by itself, ``bounds`` (4, 3) of a plan where
+        none is flown.
         """
         if scenario is None:
-            return {"torque_limit": 0.0, "target": None, "zones": ()}
+            return {"torque_limit": 0.0, "target": None, "zones": (), "bounds": None}
         governor, controller = scenario.governor, scenario.controller
         governed = scenario.law.looks_ahead
         return {
             "torque_limit": controller.max_torque or (governor.max_torque if governed else 0.0),
             "target": None if scenario.law.moves else lie.exp(governor.target_rotation_vector),
             "zones": controller.zones,
+            "bounds": live_plan.real_bounds(scenario),
         }
 
     def panels(self, scenario: Scenario | None) -> list[Panel]:
         """Return the charts."""
         governed = scenario is not None and scenario.governor.governor != "none"
+        constants = self.constants(scenario)
+        bounds = constants["bounds"]
+        torque = {"norm": "|u|", "limit": constants["torque_limit"]}
+        if bounds is not None:
+            torque = {"limit": live_plan.common(bounds[:2])}
         return [
             Panel(
-                kind="bars", name="torque", title="Torque, body frame", unit="N m", norm="|u|",
-                series=[Series("torque", "xyz")], limit=self.constants(scenario)["torque_limit"],
+                kind="bars", name="torque", title="Torque, body frame", unit="N m",
+                series=[Series("torque", "xyz")], **torque,
             ),
             error_panel(governed),
             Panel(
                 kind="strip", name="momentum", title="Angular momentum", unit="N m s",
                 series=[Series("momentum", "xyz")],
+                limit=0.0 if bounds is None else live_plan.common(bounds[2:]),
             ),
+            *([] if bounds is None else live_plan.panels(bounds)),
             source_panel("Torque"),
         ]  # fmt: skip
 
@@ -92,6 +105,7 @@ class RigidBodyLive:
             "margins_deg": _margins_deg(turned["attitude"], constants["zones"]),
             "solve": _solve(row),
             "decision": _decision(row),
+            **live_plan.values(row, constants),
         }
 
     def readouts(self, values: Mapping[str, Any], governed: bool) -> dict[str, list[Readout]]:
@@ -103,6 +117,7 @@ class RigidBodyLive:
             "governor": list(_governor(values["decision"]))
             if governed and values["decision"]
             else [],
+            "plan": list(live_plan.readouts(values)),
         }
 
     def line(self, values: Mapping[str, Any]) -> list[str]:
@@ -117,7 +132,7 @@ class RigidBodyLive:
             parts.append(f"{values['solve']['status']}, {values['solve']['iterations']} iterations")
         if values["decision"] is not None:
             parts.append(f"alpha {values['decision']['alpha']:.3g}")
-        return parts
+        return [*parts, *live_plan.line(values)]
 
 
 LIVE: Final = RigidBodyLive()
