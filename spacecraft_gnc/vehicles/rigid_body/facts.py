@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.governors.laws import STORED, TURNING
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
+from spacecraft_gnc.vehicles.rigid_body.planner.rows import bounds_text
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, reservation
+from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan, plans, real_limits
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 
 
@@ -28,7 +32,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
         controller="" if horizon is None else f"horizon {horizon} steps",
         rows=(
             *_disturbances(scenario),
-            ("torque limit", f"{controller.max_torque:g} N m" if controller.max_torque else "none"),
+            *_limits(scenario),
             ("settling", expected.settling),
             ("zones", ", ".join(zones) or "none"),
         ),
@@ -41,9 +45,40 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
             "max_torque": controller.max_torque,
             "zones": [zone.name for zone in controller.zones],
             "disturbances": list(plant.disturbances),
+            **_plan_numbers(scenario),
             **expected.numbers,
         },
     )
+
+
+def _limits(scenario: Scenario) -> list[tuple[str, str]]:
+    """Return the limit on the torque, or the bounds of the plans and what the first one is."""
+    if not plans(scenario):
+        largest = scenario.controller.max_torque
+        return [("torque limit", f"{largest:g} N m" if largest else "none")]
+    real, numbers = real_limits(scenario), _plan_numbers(scenario)
+    pairs = (("torque", real[:2], "N m"), ("momentum", real[2:], "N m s"))
+    kept = [f"{what} {bounds_text([*pair])} {u}" for what, pair, u in pairs if _is_bound(pair)]
+    active = ", ".join(numbers["plan_active"]) or "none"
+    told = f"{numbers['plan_duration']:g} s, cost {numbers['plan_cost']:.10g} N^2 m^2"
+    return [("bounds", ", ".join(kept) or "none"), ("plan", f"{told}; bounds that act: {active}")]
+
+
+def _is_bound(sides: Array) -> bool:
+    return bool(np.isfinite(sides).any())
+
+
+def _plan_numbers(scenario: Scenario) -> dict[str, Any]:
+    """Return duration [s], cost and active bounds of the first plan; None where none is flown."""
+    if not plans(scenario):
+        return dict.fromkeys(("plan_duration", "plan_cost", "plan_active"))
+    plan = first_plan(scenario)
+    active = dict.fromkeys(f"{one.quantity} {AXES[one.axis]}" for one in plan.active)
+    return {
+        "plan_duration": plan.problem.duration,
+        "plan_cost": plan.cost,
+        "plan_active": list(active),
+    }
 
 
 def _belief(scenario: Scenario) -> str:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from spacecraft_gnc.vehicles.rigid_body.prediction import Prediction, predict
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
+from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters, plans
 from spacecraft_gnc.vehicles.vehicle import Outlook
 
 LARGEST_EXCESS: Final = 1e-3
@@ -20,6 +21,8 @@ def outlook(scenario: Scenario, cut_short: bool) -> Outlook:
     """
     if scenario.law.moves:
         return Outlook("not predicted for a reference that moves", _numbers(None, 0.0))
+    if plans(scenario):
+        return _of_plan(scenario, cut_short)
     prediction = predict(scenario)
     settling = _settling(scenario, prediction)
     if prediction is None:
@@ -29,6 +32,18 @@ def outlook(scenario: Scenario, cut_short: bool) -> Outlook:
         excess = _first_excess(scenario)
     warnings = (*_of_settling(scenario, prediction, cut_short), *_of_limit(scenario, excess))
     return Outlook(settling, _numbers(prediction, excess), warnings)
+
+
+def _of_plan(scenario: Scenario, cut_short: bool) -> Outlook:
+    """Return when a plan ends; a longer flight than that is to be expected."""
+    end, duration = plan_parameters(scenario).duration, scenario.n_steps * scenario.period
+    warnings = []
+    if duration < end and not cut_short:
+        text = f"received {duration:g} s; required at least {end:g} s, the time of the plan"
+        warnings = [f"{scenario.path}: plant.duration: {text}; lengthen it"]
+    numbers = {**_numbers(None, 0.0), "predicted_settling_time": end}
+    settling = f"at rest at the target from {end:g} s, the end of the plan"
+    return Outlook(settling, numbers, tuple(warnings))
 
 
 def _numbers(prediction: Prediction | None, excess: float) -> dict[str, Any]:

@@ -12,13 +12,13 @@ from spacecraft_gnc.drawing.sources import Stretch
 from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
-from spacecraft_gnc.vehicles.rigid_body.transfer import planned_limits, real_limits
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
+from spacecraft_gnc.vehicles.rigid_body.transfer import planned_limits, plans, real_limits
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
-AXES: Final = "xyz"
 PHASES: Final = {
     Phase.FLYING: "flying",
     Phase.ARRIVED: "arrived",
@@ -92,11 +92,6 @@ def drawn_bounds(bounds: Bounds, row: int, unit: style.Unit) -> list[DrawnBound]
 def _bounded_by(value: float, sides: Array) -> str:
     """Return the axes of which a value is a bound; ``sides`` (2, 3)."""
     return "".join(axis for axis, each in zip(AXES, sides.T, strict=True) if value in each)
-
-
-def plans(scenario: Scenario) -> bool:
-    """Tell whether the method or the governor of a scenario flies plans."""
-    return any("plan.duration" in part.reads for part in (scenario.method, scenario.law))
 
 
 def bound_use(flight: Flight, real: Array) -> dict[str, float]:

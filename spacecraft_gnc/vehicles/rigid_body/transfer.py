@@ -29,6 +29,11 @@ _SOUGHT: Final = 5000  # steps within which the shortest time is sought, at leas
 _CONTROLLER, _GOVERNOR = "nmpc_controller", "reference_governor"
 
 
+def plans(scenario: Scenario) -> bool:
+    """Tell whether the method or the governor of a scenario flies plans."""
+    return any("plan.duration" in part.reads for part in (scenario.method, scenario.law))
+
+
 def planning_section(scenario: Scenario) -> str:
     """Return the section whose method or law plans: the controller's first.
 

@@ -14,6 +14,7 @@ from spacecraft_gnc.drawing.marks import draw_marks
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import plan_series, series
 from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -80,7 +81,7 @@ def _costates(axes: Axes, trajectory: Flight, telemetry: Telemetry, name: str) -
     for plan in telemetry.plans:
         values: Array = getattr(plan, name)
         times = begin + plan.times(trajectory.period)[: len(values)]
-        for i, axis in enumerate(plan_series.AXES):
+        for i, axis in enumerate(AXES):
             label = axis if plan is telemetry.plans[0] else None
             axes.step(times, values[:, i], where="post", label=label, **component(i))
     legend(axes, 3)

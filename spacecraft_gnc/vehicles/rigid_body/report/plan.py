@@ -25,7 +25,7 @@ from spacecraft_gnc.drawing.traces import (
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import plan_series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
-from spacecraft_gnc.vehicles.rigid_body.plan_series import AXES
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
 
 _FAINT: Final = {"width": 5.0}
 _NOTE: Final = " Broad and faint: as planned. Dotted: bounds of the plan, less its reserve."
