@@ -19,6 +19,7 @@ from spacecraft_gnc.vehicles.two_wheel.signals import SOLVER_STATUS
 PERIOD = 10_000_000_000  # [ns]
 STEP = 9
 SHORT = {"duration": 200.0, "initial_euler_321": [0.6, 0.5, -0.8]}
+FREE = {"max_wheel_speed": 0.0, "max_wheel_acceleration": 0.0}
 OF_TWO = {
     "plan starts at the state", "planned speeds = sums of accelerations", "plan ends at rest",
     "plan within the limits", "planned attitudes = own integration", "cost of the plan",
@@ -55,13 +56,13 @@ def _audited(bag, messages, folder, change):
 
 
 @pytest.mark.parametrize(
-    "controller",
-    [{}, {"terminal": "soft"}, {"prediction_model": "simplified"},
-     {"prediction_model": "euler_321"}],
-    ids=["shaped", "soft", "simplified", "euler_321"],
+    ("controller", "limits"),
+    [({}, {}), ({"terminal": "soft"}, {}), ({"prediction_model": "simplified"}, {}),
+     ({"prediction_model": "euler_321"}, {}), ({}, FREE)],
+    ids=["shaped", "soft", "simplified", "euler_321", "no limits"],
 )  # fmt: skip
-def test_every_plan_that_flies_is_certified(tmp_path, controller):
-    sections = two_wheels(plant=SHORT, nmpc_controller=controller)
+def test_every_plan_that_flies_is_certified(tmp_path, controller, limits):
+    sections = two_wheels(plant={**SHORT, **limits}, nmpc_controller=controller)
     audit = audit_bag(fly(tmp_path, sections)[0])
     assert audit.passed, audit.first
     steps = {check.name: check.steps for check in audit.checks}

@@ -59,9 +59,7 @@ class Planned:
         n = len(u)
         by_u = np.kron(np.tril(np.ones((n, n))), p.period * np.eye(2))[:-2]
         values = np.concatenate([p.speeds(self.start, u[None])[0, 1:-1].ravel(), u.ravel()])
-        limits = np.repeat(
-            [p.max_speed or math.inf, p.max_acceleration or math.inf], [2 * n - 2, 2 * n]
-        )
+        limits = np.repeat([p.max_speed, p.max_acceleration or math.inf], [2 * n - 2, 2 * n])
         share = values / limits
         return np.array([1.0 - share, 1.0 + share]), np.vstack([by_u, np.eye(2 * n)])
 

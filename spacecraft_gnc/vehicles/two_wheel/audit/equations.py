@@ -24,7 +24,7 @@ from spacecraft_gnc.vehicles.two_wheel.state import WheelState
 
 ROUNDING: Final = 64.0 * 2.0**-53
 """Share of the largest magnitude that sums of a few products may be off."""
-_FINER: Final = 4  # steps of Runge and Kutta in one of the plant
+_FINER: Final = 4  # Runge-Kutta steps in one of the plant
 _FLOOR: Final = 1e-12  # of an attitude, whatever the step
 _KINK: Final = 0.5
 """Error of the mean speed over a step in which the acceleration of a wheel jumps, over the jump
@@ -105,7 +105,7 @@ class Equations:
         return np.asarray(_KINK * self.step_length**2 * (jumps @ np.array(self.axial)) / least)
 
     def _advanced(self, attitudes: Array, total: Array, nu: list[Array], h: float) -> Array:
-        """Return attitudes (n, 3, 3) after one step of Runge and Kutta.
+        """Return attitudes (n, 3, 3) after one Runge-Kutta step.
 
         ``nu`` are the wheel speeds (n, m) at its start, middle and end.
         """

@@ -176,7 +176,7 @@ class _PlanAudit:
                       _largest(row.attitudes[0] - row.attitude)),
             sums=_largest(row.speeds - speeds[0]),
             rest=_largest(row.speeds[-1]),
-            excess=max(_excess(row.speeds, problem.max_speed),
+            excess=max(_excess(row.speeds[1:], problem.max_speed),
                        _excess(row.accelerations, problem.max_acceleration)),
             flow=_flow_defect(problem, row, errors[0]),
             cost=abs(cost - told["cost"]) / max(abs(cost), 1e-12),
@@ -262,7 +262,7 @@ def _row(block: Columns, k: int, attitude: Array, speed: Array) -> _Row:
 def _flow_defect(problem: WheelProblem, row: _Row, errors: Array) -> float:
     """Return what the attitudes are off the own integration, over its tolerance.
 
-    Turns of the exact models are integrated step by step by Runge and Kutta's method, to the order
+    Turns of the exact models are integrated step by step by the Runge-Kutta method, to the order
     of the predictions; the simplified model is summed up in closed form.
     """
     turn = problem.frame

@@ -18,9 +18,11 @@ from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated import weights_
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
+LARGEST_TURN: Final = 0.3
+"""[rad] of the bus in a step by one wheel, beyond which nothing is planned."""
 STEP: Final = 1e-20
 """Imaginary step."""
-_SUBSTEPS: Final = 16  # of Runge and Kutta in a control step
+_SUBSTEPS: Final = 16  # of the Runge-Kutta method in a control step
 _SERIES: Final = 1e-3  # squared angle below which sin(x)/x is summed as a series
 _NODES, _SHARES = (0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0]) + 0.5, np.array([5, 8, 5]) / 18)
 
@@ -40,6 +42,7 @@ class WheelProblem:
     acceleration_weight: float
     terminal_weight: float
     max_speed: float
+    """At most what turns the bus by `LARGEST_TURN` in a period."""
     max_acceleration: float
     """0: none."""
 
@@ -53,6 +56,7 @@ class WheelProblem:
         normal = np.cross(turned[:, 0], turned[:, 1])
         e1, e3 = (v / np.linalg.norm(v) for v in (turned[:, 0], normal))
         frame = np.column_stack([e1, np.cross(e3, e1), e3])
+        top = LARGEST_TURN / scenario.period / float(np.linalg.norm(turned, axis=0).max())
         return cls(
             frame,
             -frame.T @ turned,
@@ -61,7 +65,7 @@ class WheelProblem:
             c.speed_weight,
             c.acceleration_weight,
             c.terminal_weight,
-            c.max_wheel_speed,
+            min(c.max_wheel_speed or top, top),
             c.max_wheel_acceleration,
         )
 

@@ -64,7 +64,7 @@ def stages(model, T, C, drift, nu, a, cost, y, exact, A, B, M, m, Ct, b, scratch
     """Dynamics A, B, Hessians M and gradients m of all stages, and the conditions Ct x_N = b.
 
     ``y`` holds the multipliers of these conditions; ``exact``: the Hessian of the Lagrangian, else
-    Gauss and Newton's.
+    the Gauss-Newton one.
     """
     w, Omega, d, V = scratch
     e, E, weights, lam, later, D, X, H, Aa = local

@@ -61,9 +61,9 @@ def program(ocp: WheelOcp, soft: bool) -> Program:
         f += ocp.terminal_weight * ca.dot(last, last)
     x, p = ca.vec(stages), ca.veccat(first, nu_0, drift)
     costates = _costates(f + ca.dot(y, terminal), flows, a)
-    most_speed, most = ocp.max_speed or math.inf, ocp.max_acceleration or math.inf
+    most = ocp.max_acceleration or math.inf
     high_x = np.full((n, 2 + na), math.inf)
-    high_x[:, :2] = most_speed
+    high_x[:, :2] = ocp.max_speed
     high_x[-1, :2] = 0.0
     closed = np.zeros(na * n + (0 if soft else 3))
     return Program(

@@ -22,6 +22,9 @@ from spacecraft_gnc.types import Array, ArrayLike, Matrix3, as_inertia, read_onl
 
 MODELS: Final = ("simplified", "euler_321", "so3")
 """Prediction models, by the numbers of the kernels."""
+LARGEST_TURN: Final = 0.3
+"""[rad] by which one wheel may turn the bus in a step: the flow over it is a series in that turn,
+and where wheels have no limit a solve would otherwise go astray among whole revolutions."""
 _PARALLEL: Final = 1e-6  # sine of the angle between two rates that counts as two directions
 
 
@@ -44,7 +47,8 @@ class WheelOcp:
     speed_weight, acceleration_weight : float
         s [(s/rad)^2] and r [(s^2/rad)^2].
     max_speed, max_acceleration : float
-        V [rad/s] and U [rad/s^2]; 0: none.
+        V [rad/s] and U [rad/s^2]; 0: none. V is then, and where more is given, the speed at which
+        the faster-turning of the two wheels turns the bus by `LARGEST_TURN` in a step.
     model : {"so3", "euler_321", "simplified"}
         so3: exact kinematics, e twice the vector part of the error quaternion. euler_321: exact
         kinematics, e the 3-2-1 angles. simplified: the report's (2), for small angles.
@@ -82,13 +86,15 @@ class WheelOcp:
         frame = _frame(body)
         rates = -frame.T @ body
         rates[1, 0] = rates[2, 0] = rates[2, 1] = 0.0  # but for rounding
+        period = require_positive("time_step", self.time_step)
+        fastest = LARGEST_TURN / (period * float(np.linalg.norm(rates, axis=0).max()))
         checked = {
             "inertia": inertia,
             "wheels": wheels,
-            "time_step": require_positive("time_step", self.time_step),
+            "time_step": period,
             "horizon": as_count("horizon", self.horizon, remedy="give 30"),
             "attitude_weights": _as_weights(self.attitude_weights),
-            "max_speed": as_limit("max_speed", self.max_speed),
+            "max_speed": min(as_limit("max_speed", self.max_speed) or fastest, fastest),
             "max_acceleration": as_limit("max_acceleration", self.max_acceleration),
             "frame": read_only(frame),
             "rates": read_only(rates),

@@ -92,6 +92,7 @@ def solve(
                 break
     if not tried or (search and tried[-1].status != Status.CONVERGED):
         plans = list(loops(ocp, coordinates(ocp, first), speed))
+        plans = plans if can_stop(ocp, speed) else plans[:1]  # there is no plan
         tried += [start(speeds) for speeds in plans]
         for attempt in range(restarts if can_stop(ocp, speed) else 0):
             if any(found.status == Status.CONVERGED for found in tried):

@@ -2,10 +2,11 @@
 
 The unknowns are the wheel speeds: bounds are then linear, every iterate keeps them, and the
 attitude follows by a roll-out. Each step solves a quadratic program with the exact Hessian of the
-Lagrangian (Gauss and Newton's where that is not convex on the end's condition) by an interior-point
-method along the stages, with the end's condition at an l1 price, so that each program has a
-solution; a line search on the l1 merit, with a second-order correction, makes it global. A plan
-that ends off the reference at a price that was raised four times is called infeasible.
+Lagrangian (the Gauss-Newton one where that is not convex on the end's condition) by an
+interior-point method along the stages, with the end's condition at an l1 price, so that each
+program has a solution; a line search on the l1 merit, with a second-order correction, makes it
+global. A plan that ends off the reference at a price that was raised four times is called
+infeasible.
 
 Source of the problem: Kolmanovsky et al. 2016 (AFRL), 3.1.2; the method is ours
 (docs/underactuated.md).
@@ -13,7 +14,6 @@ Source of the problem: Kolmanovsky et al. 2016 (AFRL), 3.1.2; the method is ours
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -50,8 +50,8 @@ class SqpSolver:
     seed : int
         Of the random starts.
     chord : bool
-        Keep the Hessian of the first step of a solve (Newton and Kantorovich's chord method, of
-        the second derivatives): more steps, each a little cheaper.
+        Keep the Hessian of the first step of a solve (the chord method of Newton and
+        Kantorovich, for the second derivatives): more steps, each a little cheaper.
 
     Raises
     ------
@@ -149,13 +149,8 @@ class SqpSolver:
 
 
 def _limits(ocp: WheelOcp) -> tuple[float, float]:
-    """Return the limits of speed and acceleration.
-
-    In place of one that does not exist, what turns the bus by half a turn in a step or stops such a
-    turn: far beyond what a prediction with that step is good for.
-    """
-    half_turn = math.pi / (ocp.time_step * float(np.linalg.norm(ocp.rates, axis=0).min()))
-    return ocp.max_speed or half_turn, ocp.max_acceleration or 2.0 * half_turn / ocp.time_step
+    """Return the limits of speed and acceleration; without one: twice what reverses the speed."""
+    return ocp.max_speed, ocp.max_acceleration or 4.0 * ocp.max_speed / ocp.time_step
 
 
 def _curvature(found: Found) -> float:

@@ -17,8 +17,9 @@ _STREAM: Final = "two_wheel.restart"
 
 
 def can_stop(ocp: WheelOcp, wheel_speed: Array) -> bool:
-    """Tell whether wheels at speeds (2,) come to rest within the horizon."""
-    most = ocp.horizon * ocp.time_step * (ocp.max_acceleration or math.inf)
+    """Tell whether speeds (2,) can be within their limit a step on, and zero in the horizon."""
+    change = ocp.time_step * (ocp.max_acceleration or math.inf)
+    most = min(ocp.horizon * change, ocp.max_speed + change)
     return bool(np.abs(wheel_speed).max() <= most)
 
 
@@ -27,11 +28,10 @@ def within(ocp: WheelOcp, wanted: Array, wheel_speed: Array) -> Array:
 
     Wheels that cannot stop within the horizon end as slow as they can be.
     """
-    top = ocp.max_speed or math.inf
     change = ocp.time_step * (ocp.max_acceleration or math.inf)
     speeds = np.empty((ocp.horizon + 1, 2))
     speeds[0] = wheel_speed
-    keep_limits(np.asarray(wanted, dtype=np.float64), top, change, speeds)
+    keep_limits(np.asarray(wanted, dtype=np.float64), ocp.max_speed, change, speeds)
     return speeds
 
 
@@ -70,5 +70,4 @@ def random_plan(ocp: WheelOcp, wheel_speed: Array, seed: int, attempt: int) -> A
     numbers = generator(seed, attempt, _STREAM, 0).uniform(-1.0, 1.0, (4, 2))
     phase = math.pi * np.arange(ocp.horizon + 1) / ocp.horizon
     shapes = np.column_stack([np.sin((i + 1) * phase) for i in range(4)])
-    top = ocp.max_speed or 1.0 / float(np.abs(ocp.rates).max())
-    return within(ocp, 0.5 * top * shapes @ numbers, wheel_speed)
+    return within(ocp, 0.5 * ocp.max_speed * shapes @ numbers, wheel_speed)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -94,3 +96,12 @@ def test_the_time_of_a_turn_is_that_of_the_wheel_at_its_limits():
     # 20 s up, 30 s at the top, 20 s down
     assert turn_time(REPORT, np.array([gain * 50.0 * top, 0.0, 0.0])) == pytest.approx(70.0)
     assert turn_time(REPORT, np.array([gain * most * 25.0, 0.0, 0.0])) == pytest.approx(10.0)
+
+
+def test_without_limits_a_wheel_turns_the_bus_by_three_tenths_of_a_radian_a_step():
+    free, fast = (replace(REPORT, max_speed=v, max_acceleration=u) for v, u in ((0, 0), (1e6, 1e9)))
+    turn = np.array([2.0, 0.0, 0.0])
+    assert turn_time(free, turn) == pytest.approx(2.0 / 0.3 * 10.0)
+    assert turn_time(fast, turn) == pytest.approx(2.0 / 0.3 * 10.0, rel=1e-5)
+    assert replace(REPORT, max_speed=0.0).max_speed == pytest.approx(0.03 * 430.0 / 0.043)
+    assert REPORT.max_speed == 100.0

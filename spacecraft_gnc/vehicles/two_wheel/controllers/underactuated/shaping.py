@@ -40,7 +40,7 @@ class Path(NamedTuple):
 
     @property
     def time(self) -> float:
-        """Of all turns [s]; without limits of the wheels: the sum of their angles [rad]."""
+        """Of all turns [s]."""
         return float(self.times.sum())
 
     def after(self, time: float) -> Path:
@@ -80,15 +80,13 @@ def turn_time(ocp: WheelOcp, turn: Vector3) -> float:
     """Return the time [s] of a rotation (3,) in the prediction frame, from rest to rest.
 
     The faster wheel goes up to its limit of speed, if it gets there, and back, at its limit of
-    acceleration. Without limits it is the angle [rad].
+    acceleration, if it has one.
     """
     way = float(np.abs(np.linalg.solve(ocp.rates[:2], turn[:2])).max())
     top, most = ocp.max_speed, ocp.max_acceleration
-    if not (top or most):
-        return float(np.linalg.norm(turn))
     if not most:
         return way / top
-    if not top or way <= top * top / most:
+    if way <= top * top / most:
         return 2.0 * math.sqrt(way / most)
     return way / top + top / most
 
