@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from two_wheels import two_wheels
+from wheel_losses import scenario_sections
 
 from spacecraft_gnc import extras
 from spacecraft_gnc.scenario import InvalidScenario, from_sections
@@ -44,6 +45,10 @@ REFUSED = {
         {"horizon": 2, "max_wheel_acceleration": 1.0},
         r"nmpc_controller.horizon: received 2; required at least 9 steps, in which the wheels",
     ),
+    "a horizon that is too short for the proof": (
+        {}, {"horizon": 3},
+        r"horizon: received 3; required at least 4 steps for terminal: shaped, .*; give 4 or more",
+    ),
     "a horizon that is too short": (
         {"initial_euler_321": [0.3, 0.0, 0.0]}, {"horizon": 3, "terminal": "hard"},
         r"horizon: received 3; .* terminal: hard; \d+ steps are the fewest found; lengthen it, or",
@@ -59,6 +64,17 @@ def test_what_two_wheels_cannot_fly_is_refused(plant, controller, words):
     with pytest.raises(InvalidScenario, match=words) as refused:
         from_sections(two_wheels(plant=plant, nmpc_controller=controller))
     assert len(refused.value.problems) == 1
+
+
+@pytest.mark.parametrize("terminal", ["soft", "hard"])
+def test_only_a_shaped_end_needs_four_steps(terminal):
+    near = {"initial_euler_321": [0.01, 0.0, 0.0]}
+    from_sections(two_wheels(plant=near, nmpc_controller={"horizon": 3, "terminal": terminal}))
+
+
+def test_a_horizon_for_the_two_wheels_left_is_refused_likewise():
+    with pytest.raises(InvalidScenario, match=r"horizon: received 3; required at least 4 steps"):
+        from_sections(scenario_sections(controller={"horizon": 3}))
 
 
 def test_the_horizon_that_is_named_is_the_shortest():

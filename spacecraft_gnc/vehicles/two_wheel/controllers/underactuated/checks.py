@@ -18,6 +18,8 @@ from spacecraft_gnc.vehicles.two_wheel.ocp.problem import WheelOcp
 _PLANT, _CONTROLLER, _GOVERNOR = "plant", "nmpc_controller", "reference_governor"
 _NEGLIGIBLE: Final = 1e-9
 """Rate [rad/s] that total momentum may give the bus: a degree in half a year."""
+_SHORTEST: Final = 4
+"""Steps of the horizon for which every target is proved to be reached (docs/full_range.md)."""
 _SINGULAR: Final = 0.01
 """Cosine of the pitch below which 3-2-1 angles are no coordinates."""
 
@@ -29,7 +31,12 @@ def check(checked: Checked) -> None:
             _CONTROLLER, "solver", "ipopt", "CasADi for it, which is not installed",
             "pip install 'spacecraft_gnc[reference]', or choose solver: sqp",
         )  # fmt: skip
-    if checked.get(_CONTROLLER, "method") != "underactuated" or checked.problems:
+    if checked.problems:
+        return
+    method = checked.get(_CONTROLLER, "method")
+    if method == "fault_tolerant":
+        _check_shaped(checked)
+    if method != "underactuated":
         return
     start = _Start(checked)
     if start.is_complete and _are_two(checked, start):
@@ -109,7 +116,7 @@ def _check_angles(checked: Checked, start: _Start) -> None:
 
 
 def _check_horizon(checked: Checked, start: _Start) -> None:
-    """Refuse a horizon in which the wheels do not stop, or with a hard end: none in reach."""
+    """Refuse a horizon in which the wheels do not stop, or too short for the end of a plan."""
     if checked.problems:
         return
     ocp = _problem(checked, start)
@@ -120,6 +127,19 @@ def _check_horizon(checked: Checked, start: _Start) -> None:
         checked.complain(_CONTROLLER, "horizon", str(ocp.horizon), need, remedy)
     elif checked.get(_CONTROLLER, "terminal") == "hard":
         _check_reach(checked, start, ocp)
+    else:
+        _check_shaped(checked)
+
+
+def _check_shaped(checked: Checked) -> None:
+    """Refuse a horizon with which a spacecraft may stop on the way to its target."""
+    horizon: Any = checked.get(_CONTROLLER, "horizon")
+    if checked.get(_CONTROLLER, "terminal") == "shaped" and horizon < _SHORTEST:
+        checked.complain(
+            _CONTROLLER, "horizon", str(horizon),
+            f"at least {_SHORTEST} steps for terminal: shaped, else it may stop on the way",
+            f"give {_SHORTEST} or more; 30 is the default",
+        )  # fmt: skip
 
 
 def _check_reach(checked: Checked, start: _Start, ocp: WheelOcp) -> None:
