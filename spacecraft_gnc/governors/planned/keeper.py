@@ -155,8 +155,8 @@ class PlanKeeper:
             return
         steps = self._first.problem.n_steps
         left = self._motion.first_step + self._motion.n_steps - first_step
-        if self._cause is Cause.DEVIATION and left > 0:
-            steps = left
+        if self._cause is Cause.DEVIATION:
+            steps = max(left, 1)
         answer = self._replanner.ask(*start, self._target, steps)
         self._search = _Search(first_step, self._cause, self._target, answer)
 
