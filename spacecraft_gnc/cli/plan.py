@@ -68,6 +68,7 @@ def plan(
         tell_warnings(one)
     with show_progress("planning", silent=quiet) as progress:
         progress(0, 1)
+        planner.warm_up()
         started = time.perf_counter()
         found = planner.solve(one, shortest=shortest)
         wall_time = time.perf_counter() - started

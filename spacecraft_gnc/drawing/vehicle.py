@@ -95,6 +95,9 @@ class VehiclePlanner(Protocol):
     def figures(self) -> VehicleFigures:
         """Figures of such runs."""
 
+    def warm_up(self) -> None:
+        """Load what a solve needs, so that it can be timed."""
+
     def solve(self, scenario: Any, *, shortest: bool = False) -> Any:
         """Return the plan of a scenario, or the one of the shortest time for which one is found."""
 

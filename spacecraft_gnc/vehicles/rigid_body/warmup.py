@@ -7,16 +7,15 @@ from typing import Any, Final
 
 import numpy as np
 
-from spacecraft_gnc import lie
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
 from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.ocp import ShootingSolver
-from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolver
 from spacecraft_gnc.vehicles.rigid_body.audit import motion
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
 from spacecraft_gnc.vehicles.rigid_body.controllers.methods import METHODS
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 from spacecraft_gnc.vehicles.rigid_body.governors.laws import ATTITUDE
+from spacecraft_gnc.vehicles.rigid_body.planner import PLANNER
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
@@ -55,10 +54,7 @@ def compile_further(scenario: Scenario) -> None:
         certifier.warm_up()
     plant = RigidBodyPlant.from_scenario(scenario)
     motion.warm_up(plant)
-    turn = lie.exp(np.array([0.1, 0.0, 0.0]))
-    TransferSolver().solve(
-        AttitudeTransfer(body=plant.body, n_steps=4, goal=turn, torque=1.0, momentum=1.0)
-    )
+    PLANNER.warm_up()
     governor = PassThroughGovernor(np.eye(3))
     ClosedLoop(plant, scenario.build_controller(), governor).run(timed=False)
 

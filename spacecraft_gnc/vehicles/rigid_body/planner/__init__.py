@@ -5,6 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.parameters.problems import Problem
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import Plan, numbers
@@ -37,6 +41,15 @@ class RigidBodyPlanner:
         from spacecraft_gnc.vehicles.rigid_body.planner.figures import PlanFigures
 
         return PlanFigures()
+
+    def warm_up(self) -> None:
+        """Load the kernels; compile them where that was never done."""
+        from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolver
+
+        body, goal = RigidBody(np.eye(3), 1.0), lie.exp(np.array([0.1, 0.0, 0.0]))
+        TransferSolver().solve(
+            AttitudeTransfer(body=body, n_steps=4, goal=goal, torque=1.0, momentum=1.0)
+        )
 
     def solve(self, scenario: Scenario, *, shortest: bool = False) -> Plan:
         """Return the plan of a scenario; or the one of the shortest time, where any is found."""
