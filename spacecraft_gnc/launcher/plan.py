@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -141,6 +141,7 @@ def make_plan(
         changes["launcher.cut_short"] = "true"
     parameter_file = path.resolve()
     if overrides or changes or not _is_read_as(fleet, path):
+        changes |= dict(_named_files(fleet, path.resolve().parent))
         words = [*overrides, *(f"{key}={value}" for key, value in changes.items())]
         merged = load_fleet(path, words, namespace)
         parameter_file = folder / RUN_SCENARIO
@@ -155,6 +156,17 @@ def make_plan(
         composed=launcher.composed,
         restart=launcher.on_node_death == "restart" and not launcher.composed,
     )
+
+
+def _named_files(fleet: Fleet, folder: Path) -> Iterator[tuple[str, str]]:
+    """Yield the parameters that name files, as whole paths: the file of a run is elsewhere."""
+    for agent, one in fleet.agents.items():
+        for section, values in one.values.items():
+            for name, value in values.items():
+                spec = one.schema.spec_of(section, name, value)
+                if value and spec is not None and spec.is_file:
+                    key = f"/{agent}/{section}.{name}" if agent else f"{section}.{name}"
+                    yield key, emit(str(folder / str(value)))
 
 
 def node_options(autostart: bool, bag: Path) -> list[str]:

@@ -90,6 +90,8 @@ class ParameterSpec:
     required: bool = False
     infinite: bool = False
     """Whether infinity is admitted, such as for no bound."""
+    is_file: bool = False
+    """A path of a file, relative to the folder of the scenario's own file."""
     nonzero: bool = False
     """A vector of length zero is refused."""
     unique: bool = False

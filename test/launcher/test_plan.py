@@ -12,7 +12,9 @@ import pytest
 
 from spacecraft_gnc.launcher.environment import MiddlewareMissing
 from spacecraft_gnc.launcher.plan import LaunchRefused, make_plan
-from spacecraft_gnc.scenario import InvalidScenario, from_sections, read_sections
+from spacecraft_gnc.scenario import InvalidScenario, from_sections, load, read_sections
+from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
+from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 
@@ -38,6 +40,25 @@ def test_overrides_are_merged_into_a_file_of_the_run() -> None:
     assert merged.plant.duration == 2.0
     assert merged.plant.peers == ("nmpc_controller", "reference_governor")
     assert not plan.records
+
+
+def test_a_file_that_a_scenario_names_is_found_from_the_file_of_the_run(tmp_path: Path) -> None:
+    file = tmp_path / "given" / "s.yaml"
+    file.parent.mkdir()
+    text = "      duration: 19.0"
+    given = (
+        (CASE1.parent / "phogat_figure4.yaml")
+        .read_text()
+        .replace(text, f"      file: beside/plan.npz\n{text}")
+    )
+    file.write_text(given)
+    plan = file.parent / "beside" / "plan.npz"
+    plan.parent.mkdir()
+    save_plan(plan, first_plan(load("phogat_figure4")))
+    assert make_plan(file, out=Path("x")).parameter_file == file
+    saved = make_plan(file, ["plant.duration=26.0"], out=Path("y"))
+    assert saved.scenario.controller.plan.file == str(plan)
+    assert saved.parameter_file.parent == Path("y")
 
 
 def test_a_flight_cut_short_can_be_launched_again_from_its_file() -> None:

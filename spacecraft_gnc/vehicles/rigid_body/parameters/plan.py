@@ -90,5 +90,6 @@ class PlanParameters:
         "",
         "planned: plan of `gnc plan --out` that is flown first, relative to the scenario's file; "
         "empty: it is found before the flight",
+        is_file=True,
         is_neutral=True,
     )
