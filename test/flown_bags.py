@@ -114,7 +114,8 @@ def fly(
         for core in (loop.plant, loop.controller, loop.governor):
             core.reset()
         if failing:
-            loop.controller.solver = _Failing(loop.controller.solver, failing, failure)
+            solving = getattr(loop.controller, "tracking", loop.controller)
+            solving.solver = _Failing(solving.solver, failing, failure)
         if idle:
             loop.controller.solver = _Idle(loop.controller.solver)
         if blind:
@@ -131,7 +132,7 @@ def fly(
                 loop.governor.set_target(targets[k])
                 recorder.attitude("accepted_target", k, targets[k])
             if failing:
-                loop.controller.solver.step = k
+                solving.solver.step = k
             decision = loop.governor.decide(state)
             recorder.decision(k, decision)
             command = loop.controller.command(state, decision.reference)

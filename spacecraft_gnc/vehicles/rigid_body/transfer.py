@@ -22,6 +22,7 @@ from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 if TYPE_CHECKING:  # the solver's kernels are not needed to read parameters
     from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolution
     from spacecraft_gnc.vehicles.rigid_body.parameters.plan import PlanParameters
+    from spacecraft_gnc.vehicles.vehicle import GovernorLaw, Method
 
 _ROUNDING: Final = 1e-9  # relative, of a duration in periods
 _MOST: Final = 100_000  # steps of a plan: some seconds, and 200 MB
@@ -29,9 +30,14 @@ _SOUGHT: Final = 5000  # steps within which the shortest time is sought, at leas
 _CONTROLLER, _GOVERNOR = "nmpc_controller", "reference_governor"
 
 
+def makes_plans(part: Method | GovernorLaw) -> bool:
+    """Tell whether a method or a governor law plans a transfer."""
+    return "plan.duration" in part.reads
+
+
 def plans(scenario: Scenario) -> bool:
     """Tell whether the method or the governor of a scenario flies plans."""
-    return any("plan.duration" in part.reads for part in (scenario.method, scenario.law))
+    return makes_plans(scenario.method) or makes_plans(scenario.law)
 
 
 def planning_section(scenario: Scenario) -> str:
@@ -42,9 +48,9 @@ def planning_section(scenario: Scenario) -> str:
     InvalidScenario
         If neither plans.
     """
-    if "plan.duration" in scenario.method.reads:
+    if makes_plans(scenario.method):
         return _CONTROLLER
-    if "plan.duration" in scenario.law.reads:
+    if makes_plans(scenario.law):
         return _GOVERNOR
     value = f"{scenario.method.name}, with governor {scenario.law.name}: neither plans a transfer"
     need, key = "method: planned, or governor: planned", f"{_CONTROLLER}.method"

@@ -16,6 +16,7 @@ from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.signals import STATE
+from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Evidence, Progress
@@ -65,6 +66,8 @@ def _not_asked(evidence: Evidence) -> str:
     kind = evidence.scenario.governor.governor
     if evidence.scenario.vehicle.governor(kind) is None:
         return f"governor {kind} is a plug-in's, which may remember more than its states"
+    if makes_plans(evidence.scenario.law) and evidence.scenario.plant.mode == "free_run":
+        return "in free run plans are taken when they are found; their steps are made again"
     recorded = flight_topics(evidence.bag, _NEEDED, evidence.namespace)
     missing = set(_NEEDED) - set(recorded.values())
     missing |= {name for name in _ANSWERED if not evidence.columns[name].steps.size}

@@ -32,6 +32,7 @@ from spacecraft_gnc.vehicles.rigid_body.signals import (
     STATE,
     TORQUE,
 )
+from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans, plans
 
 KEPT: Final = "command = what the tracking asks for, within the bounds"
 ROUNDING: Final = 1e-9
@@ -50,9 +51,9 @@ class PlannedAudit:
     def __init__(self, evidence: Evidence) -> None:
         self._evidence = evidence
         scenario = evidence.scenario
-        self.is_tracked = "plan.duration" in scenario.method.reads
+        self.is_tracked = makes_plans(scenario.method)
         """Whether the controller plans."""
-        self.applies = self.is_tracked or "plan.duration" in scenario.law.reads
+        self.applies = plans(scenario)
         """Whether anything does."""
 
     def audit(self, ledger: Ledger, held: NDArray[np.int64], progress: Progress | None) -> None:

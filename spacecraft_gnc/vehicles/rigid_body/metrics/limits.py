@@ -12,7 +12,7 @@ import numpy as np
 from spacecraft_gnc.audit.limits import Exceedance, beyond
 from spacecraft_gnc.drawing.zones import pointing_margin_deg
 from spacecraft_gnc.types import Array, as_actuators
-from spacecraft_gnc.vehicles.rigid_body.transfer import real_limits
+from spacecraft_gnc.vehicles.rigid_body.transfer import plans, real_limits
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
@@ -54,7 +54,7 @@ def _exceedances(
         value = _largest(np.linalg.norm(vectors, axis=1))
         if bound > 0.0:
             yield Exceedance(name, value / bound, value, bound, unit)
-    if "plan.duration" in (*scenario.method.reads, *scenario.law.reads):
+    if plans(scenario):
         yield from _of_plan(scenario, torques, momenta)
     for zone in controller.zones:
         depth = _largest(-pointing_margin_deg(attitudes, zone))
