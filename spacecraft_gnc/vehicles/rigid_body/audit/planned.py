@@ -70,11 +70,11 @@ class PlannedAudit:
         if not evidence.columns[ATTITUDE_PLAN].steps.size:
             ledger.skip(WHOLE, "attitude_plan was not recorded: no plan is certified")
         else:
-            plans = read_told(evidence, ledger)
+            told = read_told(evidence, ledger)
             audit = TransferAudit(evidence, ledger)
-            asked = {audit.asked(each) for each in plans if each.cause != Cause.START}
-            audit.audit(plans, targets, self._ahead(asked), progress)
-            self._steps(ledger, plans, targets)
+            asked = {audit.asked(each) for each in told if each.cause != Cause.START}
+            audit.audit(told, targets, self._ahead(asked), progress)
+            self._steps(ledger, told, targets)
         if self.is_tracked:
             self._commands(ledger)
         else:
@@ -135,10 +135,10 @@ class PlannedAudit:
         return found
 
     def _steps(
-        self, ledger: Ledger, plans: tuple[Told, ...], targets: Mapping[int, Matrix3]
+        self, ledger: Ledger, told: tuple[Told, ...], targets: Mapping[int, Matrix3]
     ) -> None:
         if self._evidence.columns[PLAN_STATUS].steps.size:
-            audit_plan_steps(self._evidence, ledger, plans, targets)
+            audit_plan_steps(self._evidence, ledger, told, targets)
 
     def _commands(self, ledger: Ledger) -> None:
         """Compare the commands with what the tracking asked for, kept within the bounds."""

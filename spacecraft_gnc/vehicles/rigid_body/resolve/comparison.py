@@ -9,6 +9,7 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.metrics.summary import summarize
+from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
@@ -51,6 +52,8 @@ def compare(resolved: Resolved, recorded: Scenario, revised: Scenario) -> dict[s
         ``penalty_side``, ``_step``, ``_max``, ``_torque_excess`` [N m] and ``_zone_excess_deg``:
         the plan that pays most for leaving a limit, and by how much it does (None, as the three
         before: both solve the same problem, or no plan is known);
+        ``tracks_plans``: whether the motion of the plans that flew was tracked, and not the
+        recorded reference;
         ``recorded`` and ``replayed``: ``method``, ``residual_max`` and, as `summarize` has them,
         ``max_torque``, iterations, solve times, failed steps and sources.
     """
@@ -68,6 +71,7 @@ def compare(resolved: Resolved, recorded: Scenario, revised: Scenario) -> dict[s
         "torque_difference_rms": _rms(torque),
         **_largest("cost_difference", resolved.cost_difference, resolved),
         **_penalty_metrics(resolved),
+        "tracks_plans": makes_plans(recorded.method) and not makes_plans(revised.method),
         "recorded": _side(resolved.recorded, recorded),
         "replayed": _side(resolved.replayed, revised),
     }

@@ -1,7 +1,8 @@
 """Re-solution of every recorded step, by the same controller or another one.
 
 The controller is given the recorded state and reference of each step, so it never flies away from
-the recording: differences of the torques are differences of the controllers alone.
+the recording: differences of the torques are differences of the controllers alone. Where a method
+flew along plans, another one is given the motion of these plans to track.
 """
 
 from __future__ import annotations
@@ -9,19 +10,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.loop.flight import End, Step
 from spacecraft_gnc.loop.flight_log import FlightLog
-from spacecraft_gnc.loop.protocols import GovernorDecision, Reference, State
+from spacecraft_gnc.loop.protocols import Controller, GovernorDecision, Reference, State
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.replay import complete_steps, require_period
 from spacecraft_gnc.vehicles.rigid_body import series
-from spacecraft_gnc.vehicles.rigid_body.controllers.report import solution_of
+from spacecraft_gnc.vehicles.rigid_body.controllers.report import plan_of, solution_of
 from spacecraft_gnc.vehicles.rigid_body.resolve.prices import Price, Pricing
+from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
@@ -93,7 +95,7 @@ def resolve(
     cold
         Forget the past before every step. Otherwise the controller keeps its history along the
         flight, as it would have in it: warm start, last optimum, last plan. At the first of
-        ``steps`` it has none.
+        ``steps`` it has none. The transfer that is planned is kept in any case.
     progress
         Called with (steps done, steps in all).
 
@@ -107,18 +109,26 @@ def resolve(
     chosen = complete_steps(flight, _NEEDED, steps, "torque")
     controller.warm_up()
     controller.reset()
-    pricing = Pricing(recorded, revised)
-    log, prices = FlightLog(type(flight), len(chosen), flight.period), []
-    for i, k in enumerate(chosen):
+    plans, pricing = _Plans(recorded, revised), Pricing(recorded, revised)
+    forget = getattr(controller, "tracking", controller).reset
+    log = FlightLog(type(flight), len(chosen), flight.period)
+    prices: list[tuple[Price, Price]] = []
+    walked = chosen
+    if makes_plans(recorded.method) or makes_plans(revised.method):  # a plan rests on all before
+        walked = complete_steps(flight, _NEEDED, (0, int(chosen[-1]) + 1), "torque")
+    for k in walked.tolist():
         if cold:
-            controller.reset()
-        state, decision = _recorded(flight, int(k))
+            forget()
+        state, given = _recorded(flight, k)
+        decision = plans.tracked(state, given)
         command = controller.command(state, decision.reference)
-        log.add(i, Step(state, flight.target[k], decision, command))
-        as_flown = pricing.recorded(state, decision.reference, float(flight.cost[k]))
+        as_flown = pricing.recorded(state, given.reference, float(flight.cost[k]))
+        if k < chosen[0]:
+            continue
+        log.add(len(prices), Step(state, flight.target[k], decision, command))
         prices.append((as_flown, pricing.new(solution_of(command), state)))
         if progress is not None:
-            progress(i + 1, len(chosen))
+            progress(len(prices), len(chosen))
     excerpt = _excerpt(flight, chosen)
     answers = log.finish(End(state, decision.reference))
     names = ("torque", "residual", "cost", "solve_time", "iterations", "status", "source")
@@ -133,6 +143,24 @@ def _recorded(flight: Flight, k: int) -> tuple[State, GovernorDecision]:
     reference = Reference(flight.reference[k], *feedforward)
     alpha, margin = float(flight.alpha[k]), float(flight.governor_margin[k])
     return state, GovernorDecision(reference, alpha, True, margin, "", 0)
+
+
+class _Plans:
+    """The controller that flew along plans, where another method is to track their motion."""
+
+    def __init__(self, recorded: Scenario, revised: Scenario) -> None:
+        self._flown: Controller[Any, Any] | None = None
+        if makes_plans(recorded.method) and not makes_plans(revised.method):
+            self._flown = recorded.build_controller()
+            self._flown.warm_up()
+            self._flown.reset()
+
+    def tracked(self, state: State, decision: GovernorDecision) -> GovernorDecision:
+        """Return the decision with the motion of the plan as its reference, if there is one."""
+        if self._flown is None:
+            return decision
+        plan = plan_of(self._flown.command(state, decision.reference))
+        return decision if plan is None else decision._replace(reference=plan.reference)
 
 
 def _excerpt(flight: Flight, steps: NDArray[np.int64]) -> Flight:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+_MOTION: Final = "the motion of the plans that flew, tracked"
 _COUNTS: Final = 1e-3  # share of the largest difference of the costs
 
 
@@ -40,6 +41,9 @@ def differences(m: dict[str, Any], period: float) -> list[tuple[str, str]]:
     elif same < steps:
         equal += f"; the first other one at step {m['first_difference']}"
     rows = [("equal torques", equal)]
+    if m["tracks_plans"]:
+        method = m["replayed"]["method"]
+        rows.append(("reference", f"{_MOTION}: {method} keeps no bounds of a plan"))
     torque = _at(m, "torque_difference", "N m", period)
     rows.append(("torque difference", torque))
     if m["cost_difference_max"] is None:
