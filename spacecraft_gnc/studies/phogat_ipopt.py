@@ -27,6 +27,7 @@ OPTIONS: Final[dict[str, Any]] = {
     "ipopt.max_iter": 500,
     "ipopt.max_cpu_time": 5.0,  # [s]; a plan takes 0.1, the search for none may take minutes
     "ipopt.mu_strategy": "adaptive",  # fewer iterations than with the default
+    "ipopt.bound_relax_factor": 0.0,  # else costs are up to 6e-7 below those within the bounds
     "ipopt.tol": 1e-9,
 }
 _MOST: Final = 0.9  # of the vector part of a step's quaternion
