@@ -8,12 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 from graph.comparison import CASE1, assert_equals_simulation
+from graph.test_governed import PATIENCE, Operator, about_x
 from graph.test_wheels import messages
+from rclpy.action import ActionClient
+from spacecraft_gnc_msgs.action import SlewTo
 
+from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.governors.planned.report import Cause, Phase
+from spacecraft_gnc.launcher.outcome import Interrupted
 
 pytestmark = pytest.mark.graph
 
@@ -36,12 +41,26 @@ GOVERNED = (
 """Figure 4, planned by the governor and tracked by the NMPC."""
 
 
-def require_whole(out: Path) -> Any:
-    """Return the flight of a run whose audit passes and whose every step tells of its plan."""
-    audit = audit_bag(out)
+class Slew(Operator):
+    """Commands one other target while the graph flies, and waits until it is reached."""
+
+    def command(self) -> None:
+        self.action = ActionClient(self.node, SlewTo, "slew_to")
+        assert self.action.wait_for_server(PATIENCE)
+        self.first = self.result(self.send("first", about_x(40.0)))
+        self.action.destroy()
+
+
+def require_whole(out: Path, *, ended: bool = False) -> Any:
+    """Return the flight of a run whose audit passes and whose every step tells of its plan.
+
+    ``ended`` by a signal, it is shorter than its scenario says.
+    """
+    audit = audit_bag(out, allow_unfinished=ended)
     assert audit.passed, audit.first
     flight: Any = read_flight(out / "bag").trajectory
-    told = messages(out / "bag", "/plan_status")
+    # A governor answers the last state too.
+    told = messages(out / "bag", "/plan_status")[: flight.n_steps]
     assert [message.step for message in told] == list(range(flight.n_steps))
     np.testing.assert_array_equal([message.number for message in told], flight.plan)
     np.testing.assert_array_equal([message.phase for message in told], flight.plan_phase)
@@ -94,3 +113,19 @@ def test_in_free_run_another_plan_is_taken_when_it_is_there(graph: Any) -> None:
     metrics = summarize(flight, read_flight(out / "bag").info.scenario)
     assert metrics["final_error_deg"] < 0.5
     assert metrics["plan_end_time"] is not None
+
+
+@pytest.mark.parametrize("overrides", [(), GOVERNED], ids=["method", "governor"])
+def test_a_target_in_flight_is_planned_for(graph: Any, at: Any, overrides: tuple[str, ...]) -> None:
+    operator = Slew()
+    out: Path = graph.folder / "slew"
+    endless = "plant.duration=4000.0"
+    with pytest.raises(Interrupted):
+        graph.fly(*overrides, endless, scenario=FIGURE4, display=at(30, operator), out=out)
+    assert operator.first.reached
+    plans = messages(out / "bag", "/attitude_plan")
+    assert [plan.cause for plan in plans] == [Cause.START, Cause.TARGET]
+    goal = plans[1].goal.reshape(3, 3)
+    assert lie.angle_between(goal, about_x(40.0)) < 1e-9
+    flight = require_whole(out, ended=True)
+    assert lie.angle_between(flight.attitude[-1], goal) < 1e-3
