@@ -28,7 +28,7 @@ from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest
 from spacecraft_gnc.vehicles.two_wheel.flown import limit_of, turning, wheel_rims
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 from spacecraft_gnc.vehicles.two_wheel.signals import DIAGNOSIS
-from spacecraft_gnc.vehicles.two_wheel.summary import RESTS, mode_name
+from spacecraft_gnc.vehicles.two_wheel.summary import RESTS, direction, mode_name
 
 _SHOWN: Final = (
     "angular_velocity", "wheel_speed", "wheel_acceleration", "total_momentum", "healthy",
@@ -166,7 +166,7 @@ def _held(values: Mapping[str, Any]) -> Iterator[Readout]:
     size = 0.0 if rate is None else float(np.linalg.norm(rate))
     if size > 0.0:
         yield Readout("keeps turning at", magnitude(rate, "rad/s"), "warn")
-        yield Readout("about body axis", listed(rate / size))
+        yield Readout("about body axis", direction(rate / size))
     if loss is not None and (loss > 0.0 or size > 0.0):
         what = "axis" if size > 0.0 else "held"  # of what turns, the axis is all that is pointed
         mood = "warn" if loss > 0.0 else ""

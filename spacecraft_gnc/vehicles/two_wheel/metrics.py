@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from collections.abc import Iterable
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,15 +45,20 @@ def summarize(
     -------
     dict
         ``final_error_deg``, ``settle_time`` [s], ``max_wheel_speed`` [rad/s],
-        ``max_wheel_acceleration`` [rad/s^2], ``wheel_lost_at``, ``wheel_loss_detected_at`` [s].
+        ``max_wheel_acceleration`` [rad/s^2], ``wheel_lost_at``, ``wheel_loss_detected_at`` [s] (of
+        the wheel that is lost first), ``wheel_losses`` and ``false_alarms`` (`Losses`).
     """
+    found = losses(time, healthy, diagnosed)
+    first = found.losses[0] if found.losses else {}
     return {
         "final_error_deg": final_error_deg(attitude, target),
         "settle_time": settle_time(time, attitude, angular_velocity, target),
         "max_wheel_speed": largest(wheel_speed),
         "max_wheel_acceleration": largest(wheel_acceleration),
-        "wheel_lost_at": first_loss(time, healthy),
-        "wheel_loss_detected_at": first_loss(time, diagnosed),
+        "wheel_lost_at": first.get("lost_at"),
+        "wheel_loss_detected_at": first.get("detected_at"),
+        "wheel_losses": found.losses,
+        "false_alarms": found.false_alarms,
     }
 
 
@@ -87,7 +93,40 @@ def largest(values: Array) -> float | None:
     return float(known.max()) if known.size else None
 
 
-def first_loss(time: Array, healthy: NDArray[np.bool_] | None) -> float | None:
-    """Return the first time [s] at which a wheel of (n, m) is not healthy; None: never."""
-    lost = np.flatnonzero(~np.all(healthy, axis=1)) if healthy is not None else np.empty(0, int)
-    return float(time[lost[0]]) if lost.size else None
+class Losses(NamedTuple):
+    """What happened to the wheels, and what was concluded on board, ready for JSON."""
+
+    losses: list[dict[str, Any]]
+    """Of each wheel lost, in the order of the losses: ``wheel`` (from 1), ``lost_at`` and
+    ``detected_at`` [s]; None: it was not excluded after its loss."""
+    false_alarms: list[dict[str, Any]]
+    """Of each wheel excluded that answered: ``wheel`` (from 1) and ``at`` [s]."""
+
+
+def losses(
+    time: Array, healthy: NDArray[np.bool_] | None, diagnosed: NDArray[np.bool_] | None
+) -> Losses:
+    """Return the losses of (n, m) wheels beside their detection, and the false alarms.
+
+    A wheel that was excluded while it answered is a false alarm, also where it is lost later: that
+    loss was not detected.
+    """
+    lost, excluded = _first_times(time, healthy), _first_times(time, diagnosed)
+    alarms = {i: at for i, at in excluded.items() if at < lost.get(i, math.inf)}
+    return Losses(
+        [
+            {
+                "wheel": i + 1,
+                "lost_at": at,
+                "detected_at": None if i in alarms else excluded.get(i),
+            }
+            for i, at in sorted(lost.items(), key=lambda item: item[1])
+        ],
+        [{"wheel": i + 1, "at": at} for i, at in sorted(alarms.items(), key=lambda item: item[1])],
+    )
+
+
+def _first_times(time: Array, answers: NDArray[np.bool_] | None) -> dict[int, float]:
+    """Return the first time [s] at which each wheel of (n, m) does not answer; absent: never."""
+    columns: Iterable[NDArray[np.bool_]] = [] if answers is None else answers.T
+    return {i: float(time[np.argmin(c)]) for i, c in enumerate(columns) if not c.all()}

@@ -34,7 +34,13 @@ from spacecraft_gnc.drawing.traces import (
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel import flown as series
 from spacecraft_gnc.vehicles.two_wheel.flown import Flown
-from spacecraft_gnc.vehicles.two_wheel.summary import states
+from spacecraft_gnc.vehicles.two_wheel.summary import (
+    alarm_texts,
+    counts,
+    direction,
+    lost_texts,
+    states,
+)
 from spacecraft_gnc.vehicles.two_wheel.telemetry import Telemetry, telemetry
 from spacecraft_gnc.vehicles.two_wheel.watch import mark, watch_charts
 
@@ -58,21 +64,14 @@ def _none(run: Flown) -> str:
     return "unknown" if run.scenario is None else "none"
 
 
-def _sources(run: Flown) -> str:
-    return ", ".join(f"{name} {count}" for name, count in run.metrics["sources"].items())
-
-
-def _modes(run: Flown) -> str:
-    return ", ".join(f"{name} {count}" for name, count in run.metrics["modes"].items())
+def _counted(name: str) -> Callable[[Flown], str]:
+    """Return what tells a metric that counts by name."""
+    return lambda run: counts(run.metrics[name]) or NOTHING
 
 
 def _axis(run: Flown) -> str:
     axis = run.metrics["remaining_axis"]
-    return NOTHING if axis is None else ", ".join(f"{part:.3g}" for part in axis)
-
-
-def _unnoticed(run: Flown) -> str:
-    return NOTHING if run.metrics["wheel_lost_at"] is None else "never"
+    return NOTHING if axis is None else direction(axis)
 
 
 ROWS: Final = (
@@ -86,9 +85,10 @@ ROWS: Final = (
     Row("Largest wheel acceleration", "max_wheel_acceleration", "rad/s²", 8),
     Row("Limit of the acceleration", "max_wheel_acceleration_limit", "rad/s²", absent=_none),
     Row("Drift of the total momentum", "momentum_drift", "N m s"),
-    Row("Wheel lost at", "wheel_lost_at", "s"),
-    Row("Loss noticed at", "wheel_loss_detected_at", "s", absent=_unnoticed),
-    Row("Flown", text=_modes),
+    Row("Wheels lost", text=lambda run: "; ".join(lost_texts(run.metrics)) or NOTHING),
+    Row("False alarms", text=lambda run: "; ".join(alarm_texts(run.metrics)) or NOTHING),
+    Row("Plans by their end", text=_counted("plans")),
+    Row("Flown", text=_counted("modes")),
     Row("Rest", text=lambda run: run.metrics["rest"] or "unknown"),
     Row("Rotation that remains", "remaining_rate", "rad/s"),
     Row("Axis of that rotation, body frame", text=_axis),
@@ -96,7 +96,7 @@ ROWS: Final = (
     Row("Deadlines missed", "missed_deadlines"),
     Row("Steps on a fallback command", "fallback_steps"),
     Row("Incomplete steps", "missing_steps"),
-    Row("Command from", text=_sources),
+    Row("Command from", text=_counted("sources")),
 )
 
 

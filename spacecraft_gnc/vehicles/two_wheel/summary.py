@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest
+from spacecraft_gnc.vehicles.two_wheel.controllers.report import Mode, Rest, Terminal
 from spacecraft_gnc.vehicles.two_wheel.metrics import SETTLED_ANGLE, SETTLED_RATE, summarize
 
 if TYPE_CHECKING:
@@ -27,7 +29,8 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         ``steps``, ``missing_steps`` (lost by the recording), ``period`` and ``duration`` [s], those
         of `metrics.summarize`, ``max_wheel_speed_limit`` and ``max_wheel_acceleration_limit`` (None
         where there is none, or no scenario), ``momentum_drift`` (largest change of the total
-        momentum [N m s]), ``sources`` (steps by source), ``modes`` (steps by mode),
+        momentum [N m s]), ``sources`` (steps by source), ``plans`` (plans found, by what
+        they have to end at: names of `Terminal`), ``modes`` (steps by mode),
         ``rest`` (where it can come to rest, at the end: `RESTS`), ``remaining_rate`` [rad/s],
         ``remaining_axis`` (3 numbers, body frame; None: it comes to rest) and
         ``pointing_loss_deg`` of what is held then (of the axis, where it keeps turning),
@@ -43,6 +46,7 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
     quantiles = {"median": 0.5, "p99": 0.99, "max": 1.0}
     wheels = [np.vstack([known, known[-1:]]) for known in (flight.healthy, flight.diagnosed)]
     target, modes = flight.target[-1], Counter(flight.mode.tolist())
+    ends = Counter(flight.terminal[flight.status == Status.CONVERGED].tolist())
     return {
         "steps": n,
         "missing_steps": int(np.count_nonzero(np.isnan(np.hstack(known)).any(axis=1))),
@@ -55,6 +59,7 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         ),
         "momentum_drift": _drift(flight.total_momentum),
         "sources": {_named(source): count for source, count in sorted(sources.items())},
+        "plans": {end.name.lower(): ends[end] for end in Terminal if ends[end]},
         **_held(flight),
         "modes": {mode_name(mode): count for mode, count in sorted(modes.items())},
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
@@ -79,7 +84,7 @@ def states(flight: WheelFlight) -> tuple[Array, Array, Array, Array]:
 
 def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the lines of a flight's summary, label and text, from its metrics."""
-    error, settled, lost = m["final_error_deg"], m["settle_time"], m["wheel_lost_at"]
+    error, settled = m["final_error_deg"], m["settle_time"]
     rows = [
         ("error at the end", "unknown" if error is None else f"{error:.5g} deg to the target"),
         (
@@ -89,29 +94,51 @@ def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("largest wheel speed", _beside_limit(m, "max_wheel_speed", "rad/s")),
         ("largest acceleration", _beside_limit(m, "max_wheel_acceleration", "rad/s^2")),
         ("drift of the momentum", f"{m['momentum_drift']:.2g} N m s"),
-        ("command from", ", ".join(f"{name} {count}" for name, count in m["sources"].items())),
+        ("command from", counts(m["sources"])),
     ]
+    if m["plans"]:
+        rows.append(("plans by their end", counts(m["plans"])))
     if any(name != mode_name(Mode.NOMINAL) for name in m["modes"]):
-        rows.append(("flown", ", ".join(f"{name} {n}" for name, n in m["modes"].items())))
+        rows.append(("flown", counts(m["modes"])))
     if m["rest"] not in (None, RESTS[Rest.AT_TARGET]):
         rows.append(("rest", f"{m['rest']}; {_kept(m)}"))
-    noticed = m["wheel_loss_detected_at"]
-    told = "not noticed" if noticed is None else f"noticed at {noticed:g} s"
-    if lost is not None:
-        rows.append(("wheel lost", f"at {lost:g} s, {told}"))
-    elif noticed is not None:
-        rows.append(("false alarm", told))
-    return rows
+    rows += [("wheel lost", text) for text in lost_texts(m)]
+    return rows + [("false alarm", text) for text in alarm_texts(m)]
+
+
+def counts(numbers: dict[str, int]) -> str:
+    """Return numbers by name in words."""
+    return ", ".join(f"{name} {count}" for name, count in numbers.items())
+
+
+def lost_texts(m: dict[str, Any]) -> list[str]:
+    """Return a line for each wheel lost: which, when, and when it was noticed."""
+    found = []
+    for loss in m["wheel_losses"]:
+        noticed = loss["detected_at"]
+        told = "not noticed" if noticed is None else f"noticed at {noticed:g} s"
+        found.append(f"{loss['wheel']} at {loss['lost_at']:g} s, {told}")
+    return found
+
+
+def alarm_texts(m: dict[str, Any]) -> list[str]:
+    """Return a line for each wheel that was excluded though it answered."""
+    return [f"{alarm['wheel']} excluded at {alarm['at']:g} s" for alarm in m["false_alarms"]]
 
 
 def _kept(m: dict[str, Any]) -> str:
     """Return what is held where rest at the target is impossible."""
-    loss = f"held {m['pointing_loss_deg']:.4g} deg off"
+    loss = f"{m['pointing_loss_deg']:.4g} deg off"
     if m["remaining_axis"] is None:
-        return f"{loss} the target"
-    axis = " ".join(f"{part:.3g}" for part in m["remaining_axis"])
+        return f"held {loss} the target"
+    axis = direction(m["remaining_axis"], " ")
     turns = f"turns at {m['remaining_rate']:.3g} rad/s about body axis ({axis})"
-    return f"{turns}, {loss} where the target has it"
+    return f"{turns}, which points {loss} where the target attitude has it"
+
+
+def direction(axis: Iterable[float], between: str = ", ") -> str:
+    """Return a unit vector in words, to three decimals: what is rounding is zero."""
+    return between.join(f"{round(part, 3) + 0.0:g}" for part in axis)
 
 
 def _beside_limit(m: dict[str, Any], name: str, unit: str) -> str:

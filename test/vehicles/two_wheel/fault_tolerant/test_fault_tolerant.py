@@ -99,7 +99,7 @@ def test_a_wheel_that_spins_on_leaves_a_rotation_that_is_told_and_held(wheel):
     assert found["remaining_rate"] == pytest.approx(abs(expected[wheel]), rel=1e-12)
     said = dict(lines(found))["rest"]
     assert said.startswith("impossible; turns at ")
-    assert said.endswith("held 0 deg off where the target has it")
+    assert said.endswith("which points 0 deg off where the target attitude has it")
 
 
 @pytest.mark.parametrize(("size", "loss_deg"), [(0.2, 29.12), (1.0, 29.12)])
