@@ -12,6 +12,7 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.parameters.parameter import specs_of
 from spacecraft_gnc.parameters.problems import problem_of, shown
+from spacecraft_gnc.vehicles.two_wheel import capability
 from spacecraft_gnc.vehicles.two_wheel.controllers.fault_tolerant import checks as fault_tolerant
 from spacecraft_gnc.vehicles.two_wheel.controllers.feedback import FeedbackParameters
 from spacecraft_gnc.vehicles.two_wheel.controllers.methods import METHODS
@@ -34,6 +35,11 @@ _OF_EACH_WHEEL: Final = (
     "wheel_viscous_friction",
     "wheel_coulomb_friction",
 )
+_OF_A_KIND: Final = (
+    ("lost_wheel_friction", "friction", 0.0),
+    ("lost_wheel_share", "partial", 0.5),
+)
+"""What only one kind of loss reads, and its default otherwise."""
 _INSTEAD: Final = {
     "initial_euler_321": "initial_rotation_vector",
     "initial_total_momentum": "initial_angular_velocity",
@@ -51,6 +57,7 @@ def check(checked: Checked) -> None:
     _check_belief(checked)
     fault_tolerant.check(checked)
     underactuated.check(checked)
+    capability.check(checked)
 
 
 def _check_given(checked: Checked) -> None:
@@ -117,10 +124,11 @@ def _check_losses(checked: Checked) -> None:
             remedy = "lose the wheel earlier, or lengthen the flight; negative: it is never lost"
             checked.complain(_PLANT, "wheel_lost_at", shown(lost), need, remedy)
     kind = checked.get(_PLANT, "wheel_loss")
-    for name, of in (("lost_wheel_friction", "friction"), ("lost_wheel_share", "partial")):
+    for name, of, unused in _OF_A_KIND:
         if checked.is_changed(_PLANT, name) and kind != of:
             value, need = shown(checked.get(_PLANT, name)), f"wheel_loss: {of} beside it"
-            checked.complain(_PLANT, name, value, need, f"remove it, or set wheel_loss: {of}")
+            remedy = f"give {unused} or leave it out, or set wheel_loss: {of}"
+            checked.complain(_PLANT, name, value, need, remedy)
 
 
 def _check_belief(checked: Checked) -> None:

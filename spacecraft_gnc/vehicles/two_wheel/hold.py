@@ -27,10 +27,10 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Rest
+from spacecraft_gnc.vehicles.two_wheel.wheels import span_of
 
 NEGLIGIBLE: Final = 1e-9
 """Rate [rad/s] that counts as rest: a degree in half a year."""
-_SPANS: Final = 1e-6  # least singular value of the unit axes that counts as a direction
 
 
 class Held(NamedTuple):
@@ -44,11 +44,6 @@ class Held(NamedTuple):
     pointing_loss: float
     """Angle by which the held pointing is off the target [rad]: of the attitude at rest, or of the
     axis of the rotation, which then is all that can be pointed."""
-
-
-def span_of(axes: Array) -> int:
-    """Return how many dimensions unit axes (3, m) span."""
-    return int(np.linalg.matrix_rank(axes, tol=_SPANS)) if axes.size else 0
 
 
 def plane_normal(axes: Array) -> Vector3:

@@ -12,7 +12,8 @@ from spacecraft_gnc.arrays import as_finite, as_float, listed
 from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.types import Array, ArrayLike, Matrix3, read_only
 
-_SPANS = 1e-6  # least singular value of the unit axes that counts as a direction
+_SPANS: Final = 1e-3
+"""Least singular value of the unit axes that counts as a direction: two axes 0.08 deg apart."""
 
 _SPAN: Final = {
     2: ("else not every attitude can be reached", "add a wheel about another axis"),
@@ -93,14 +94,20 @@ def require_bus(inertia: Matrix3, axes: Array, axial: Array) -> None:
         )
 
 
+def span_of(axes: Array) -> int:
+    """Return how many dimensions unit axes (3, m) span."""
+    return int(np.linalg.matrix_rank(axes, tol=_SPANS)) if axes.size else 0
+
+
 def require_span(axes: Array, least: int = 3) -> None:
     """Raise ParameterError if unit axes (3, m) span fewer dimensions than ``least``, 2 or 3."""
-    rank = int(np.linalg.matrix_rank(axes, tol=_SPANS)) if axes.size else 0
+    rank = span_of(axes)
     if rank < least:
         why, remedy = _SPAN[least]
         raise ParameterError(
             f"wheel_axes: received {axes.shape[1]} healthy wheel(s) whose axes span {rank} "
-            f"dimension(s); required {least}, {why}; {remedy}"
+            f"dimension(s) (axes less than some 0.1 deg apart count as one); required {least}, "
+            f"{why}; {remedy}"
         )
 
 

@@ -15,7 +15,8 @@ from wheeled import AFRL_INERTIA, AFRL_WHEEL, ORTHOGONAL, PYRAMID
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.vehicles.two_wheel.controllers.report import Rest
-from spacecraft_gnc.vehicles.two_wheel.hold import Held, holdable, on_cone, plane_normal, span_of
+from spacecraft_gnc.vehicles.two_wheel.hold import Held, holdable, on_cone, plane_normal
+from spacecraft_gnc.vehicles.two_wheel.wheels import span_of
 
 TARGET = lie.exp(np.array([0.4, -0.8, 1.2]))
 TWO_OF_THREE = np.array([True, True, False])

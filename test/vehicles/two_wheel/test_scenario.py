@@ -175,6 +175,14 @@ REFUSED = {
         {"wheel_axes": [1.0, 0.0, 0.0, 1.0, 0.0, 0.0], "wheel_inertias": [0.01, 0.01]}, {},
         r"plant.wheel_axes: received 2 .*span 2 dimension.*required 3, .*; add a wheel",
     ),
+    "a third wheel nearly in the plane of the others": (
+        {"wheel_axes": [1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1e-3]}, {},
+        r"plant.wheel_axes: received 3 .*span 2 dimension.* some 0.1 deg apart count as one",
+    ),
+    "two wheels nearly about one axis": (
+        {"wheel_axes": [1.0, 1.0, 0.0, 1e-3, 0.0, 0.0], "wheel_inertias": [0.043] * 2},
+        {"method": "underactuated"}, r"plant.wheel_axes: received 2 .*span 1 dimension",
+    ),
     "four wheels in a plane": (
         {"wheel_axes": [1.0, 0.0, 1.0, 1.0, 0.0, 1.0, 1.0, -1.0, 0.0, 0.0, 0.0, 0.0],
          "wheel_inertias": [0.01] * 4}, {},
@@ -216,7 +224,7 @@ REFUSED = {
     ),
     "friction of a wheel that spins on": (
         {"lost_wheel_friction": 0.3, "wheel_loss": "spinning"}, {},
-        r"plant.lost_wheel_friction: .*required wheel_loss: friction beside it",
+        r"plant.lost_wheel_friction: .*required wheel_loss: friction beside it; give 0.0 or leave",
     ),
     "an unknown loss": ({"wheel_loss": "stuck"}, {}, r"plant.wheel_loss: .*friction, spinning"),
     "friction of other wheels": (

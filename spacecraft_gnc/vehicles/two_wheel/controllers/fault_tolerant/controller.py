@@ -32,10 +32,11 @@ from spacecraft_gnc.vehicles.two_wheel.controllers.report import (
 from spacecraft_gnc.vehicles.two_wheel.controllers.shooting.pilot import ShootingPilot
 from spacecraft_gnc.vehicles.two_wheel.controllers.underactuated.pilot import TwoWheelPilot
 from spacecraft_gnc.vehicles.two_wheel.dynamics import Gyrostat
-from spacecraft_gnc.vehicles.two_wheel.hold import Held, holdable, is_negligible, span_of
+from spacecraft_gnc.vehicles.two_wheel.hold import Held, holdable, is_negligible
 from spacecraft_gnc.vehicles.two_wheel.monitor import Reading, ResidualTest, WheelMonitor
 from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 from spacecraft_gnc.vehicles.two_wheel.state import WheelState
+from spacecraft_gnc.vehicles.two_wheel.wheels import span_of
 
 
 class _Expected(NamedTuple):
