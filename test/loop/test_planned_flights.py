@@ -141,9 +141,10 @@ def test_a_new_target_in_flight_is_planned_for():
     assert lie.angle_between(plant.state.attitude, other) < 1e-8
 
 
-def test_a_governor_publishes_the_plan_for_any_controller_that_tracks():
+@pytest.mark.parametrize("method", ["shooting", "feedback"])
+def test_a_governor_publishes_the_plan_for_any_controller_that_tracks(method):
     _, flight = flight_of(FIGURE_4)
-    scenario = load(FIGURE_4, GOVERNED)
+    scenario = load(FIGURE_4, GOVERNED | {"nmpc_controller.method": method})
     followed = scenario.build().run()
     assert followed.plan_error.max() < 1e-10
     assert np.abs(followed.torque - flight.torque).max() < 1e-9
