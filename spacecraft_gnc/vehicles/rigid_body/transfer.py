@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import GncError, ParameterError, RecordingError
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, problem_of
 from spacecraft_gnc.types import Array, read_only
@@ -129,6 +128,7 @@ def transfer_of(scenario: Scenario) -> AttitudeTransfer:
         If nothing plans, the inertia is not known, a bound or the duration is refused, the first
         momentum lies outside the planned bounds, or these leave no hope.
     """
+    from spacecraft_gnc.dynamics import RigidBody
     from spacecraft_gnc.ocp.transfer import AttitudeTransfer
 
     plant, limits = scenario.plant, planned_limits(scenario)
