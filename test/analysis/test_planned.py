@@ -16,7 +16,7 @@ from spacecraft_gnc.scenario import load
 from spacecraft_gnc.vehicles.rigid_body import plan_series, series
 from spacecraft_gnc.vehicles.rigid_body.metrics.rows import summary_rows
 from spacecraft_gnc.vehicles.rigid_body.pictures.figures import flight_makers, record_makers
-from spacecraft_gnc.vehicles.rigid_body.recorded_plans import RecordedPlan
+from spacecraft_gnc.vehicles.rigid_body.recorded_plans import RecordedPlan, as_flown
 from spacecraft_gnc.vehicles.rigid_body.report import REPORT
 from spacecraft_gnc.vehicles.rigid_body.telemetry import computed
 
@@ -211,11 +211,21 @@ def test_costates_are_drawn_where_plans_were_recorded(flight, scenario):
     run = run_of(flight, scenario, (plan,))
     assert "costates" not in record_makers(flight, computed(flight, scenario), scenario)
     axes = record_makers(flight, run.telemetry, scenario)["costates"]().axes
-    np.testing.assert_array_equal(axes[0].lines[1].get_ydata(), plan.co_momentum[:, 1])
-    np.testing.assert_allclose(axes[2].lines[0].get_xdata(), 0.1 * np.arange(2, 8))
+    np.testing.assert_array_equal(axes[0].lines[1].get_ydata()[:5], plan.co_momentum[:, 1])
+    np.testing.assert_allclose(axes[2].lines[0].get_xdata()[:6], 0.1 * np.arange(2, 8))
     charts = {chart.name: chart for chart in REPORT.charts([run], 1000)}
     variants = [variant.name for variant in charts["costates"].variants]
     assert variants == ["co_momentum", "momentum_multipliers"]  # no bound on the torque acts
+
+
+def test_a_plan_is_drawn_as_long_as_it_was_flown():
+    first, second = _recorded(), _recorded(first_step=5)._replace(number=1)
+    steps, values = as_flown([first, second], "momentum")
+    np.testing.assert_array_equal(steps, [2, 3, 4, 5, *range(5, 12)])
+    np.testing.assert_array_equal(values[:3], first.momentum[:3])
+    np.testing.assert_array_equal(values[4:10], second.momentum)
+    assert np.isnan(values[[3, 10]]).all()
+    assert as_flown([], "momentum")[1].shape == (0, 3)
 
 
 def test_the_page_of_one_run_shows_the_plan(replanned, other):

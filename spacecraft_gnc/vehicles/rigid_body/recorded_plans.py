@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -31,9 +33,19 @@ class RecordedPlan(NamedTuple):
     momentum_multipliers: Array
     """(N + 1, 3) [N m/s]."""
 
-    def times(self, period: float) -> Array:
-        """Return the times (N + 1,) of its states, at a control period [s]."""
-        return np.asarray(period * (self.first_step + np.arange(len(self.momentum))))
+
+def as_flown(plans: Sequence[RecordedPlan], name: str) -> tuple[Array, Array]:
+    """Return an array of plans, each up to the next one's start: steps (m,) and values (m, 3).
+
+    A row of NaN stands between two of them.
+    """
+    steps, values = [np.empty(0)], [np.empty((0, 3))]
+    for plan, after in zip_longest(plans, plans[1:]):
+        planned: Array = getattr(plan, name)
+        n = len(planned) if after is None else after.first_step - plan.first_step
+        steps.append(plan.first_step + np.arange(len(planned[:n]) + 1.0))
+        values += [planned[:n], np.full((1, 3), np.nan)]
+    return np.concatenate(steps), np.concatenate(values)
 
 
 def plans_of(columns: Columns) -> tuple[RecordedPlan, ...]:

@@ -11,10 +11,10 @@ from spacecraft_gnc.drawing.axes import component, frame, legend, logarithmic
 from spacecraft_gnc.drawing.axes import limit as draw_limit
 from spacecraft_gnc.drawing.chart import held
 from spacecraft_gnc.drawing.marks import draw_marks
-from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import plan_series, series
 from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
+from spacecraft_gnc.vehicles.rigid_body.recorded_plans import as_flown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,13 +77,10 @@ def momentum_multipliers(axes: Axes, trajectory: Flight, telemetry: Telemetry) -
 
 
 def _costates(axes: Axes, trajectory: Flight, telemetry: Telemetry, name: str) -> None:
-    begin = trajectory.time[0]
-    for plan in telemetry.plans:
-        values: Array = getattr(plan, name)
-        times = begin + plan.times(trajectory.period)[: len(values)]
-        for i, axis in enumerate(AXES):
-            label = axis if plan is telemetry.plans[0] else None
-            axes.step(times, values[:, i], where="post", label=label, **component(i))
+    steps, values = as_flown(telemetry.plans, name)
+    times = trajectory.time[0] + trajectory.period * steps
+    for i, label in enumerate(AXES):
+        axes.step(times, values[:, i], where="post", label=label, **component(i))
     legend(axes, 3)
     draw_marks(axes, plan_series.plan_marks(trajectory))
 

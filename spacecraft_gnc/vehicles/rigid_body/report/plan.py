@@ -9,23 +9,33 @@ import numpy as np
 
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.bands import band
-from spacecraft_gnc.drawing.chart import HELD, Chart, Variant, held, one_curve_each, over_time, span
+from spacecraft_gnc.drawing.chart import (
+    HELD,
+    Chart,
+    Variant,
+    held,
+    named,
+    one_curve_each,
+    over_time,
+    span,
+)
 from spacecraft_gnc.drawing.marks import mark
 from spacecraft_gnc.drawing.sources import Stretch
 from spacecraft_gnc.drawing.traces import (
-    DASHES,
     Curve,
     Trace,
     axis,
     component_line,
     limit,
     log_axis,
+    run_line,
     trace,
 )
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import plan_series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
+from spacecraft_gnc.vehicles.rigid_body.recorded_plans import as_flown
 
 _FAINT: Final = {"width": 5.0}
 _NOTE: Final = " Broad and faint: as planned. Dotted: bounds of the plan, less its reserve."
@@ -34,7 +44,7 @@ _COSTATES: Final = (
         "co_momentum",
         "co-momentum",
         "N m",
-        "Co-momentum of the plan; its negative is the torque where no bound acts.",
+        "Of each plan as long as it was flown; its negative is the torque where no bound acts.",
     ),
     (
         "torque_multipliers",
@@ -147,22 +157,19 @@ def _bounds(run: Flown, row: int, unit: style.Unit) -> Iterator[Trace]:
 def _costates(
     runs: Sequence[Flown], points: int, name: str, label: str, unit: str
 ) -> dict[str, Any] | None:
-    """Return the figure of a co-state of all plans; None where none was recorded, or it is zero."""
+    """Return the figure of a co-state of the plans; None where none was recorded, or it is zero."""
     traces: list[Trace] = []
     size = 0.0
     for i, run in enumerate(runs):
-        for plan in run.telemetry.plans:
-            values = getattr(plan, name)
-            size = max(size, float(np.abs(values).max()))
-            times = plan.times(run.trajectory.period)[: len(values)] + run.times[0]
-            for j, component in enumerate(AXES):
-                look = component_line(j)
-                if len(runs) > 1:
-                    look = {**look, "color": style.RUN_COLORS[i % len(style.RUN_COLORS)]}
-                elif plan.number:
-                    look = {**look, "dash": DASHES[(j + plan.number) % len(DASHES)]}
-                text = component if len(runs) == 1 else f"{run.name}: {component}"
-                options = {"legendgroup": text, "showlegend": plan is run.telemetry.plans[0]}
-                curve = Curve(times, values[:, j], text, {**look, **HELD}, options=options)
-                traces.append(trace(curve, points))
+        if not run.telemetry.plans:
+            continue
+        steps, values = as_flown(run.telemetry.plans, name)
+        size = max(size, float(np.nanmax(np.abs(values))))
+        times = run.times[0] + run.trajectory.period * steps
+        for j, component in enumerate(AXES):
+            look = {**component_line(j), **HELD}
+            if len(runs) > 1:
+                look["color"] = run_line(i)["color"]
+            curve = Curve(times, values[:, j], named(runs, run, component), look)
+            traces.append(trace(curve, points))
     return over_time(runs, traces, axis(f"{label} [{unit}]")) if size > 0.0 else None
