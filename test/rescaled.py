@@ -34,12 +34,27 @@ def factors(scenario: Scenario, mass: float, time: float, cost: float) -> dict[s
         "plant.duration": time,
         "plant.constant_torque": torque,
         "plant.noise_torque": torque,
+        "plant.push_torque": torque,
+        "plant.push_time": time,
+        "plant.push_duration": time,
         "plant.orbit_rate": 1.0 / time,
     }
     for section in ("plant", "nmpc_controller"):
         own |= {f"{section}.inertia": mass, f"{section}.time_step": time}
     for section in ("nmpc_controller", "reference_governor"):
         own[f"{section}.max_torque"] = torque
+    if "settling_time" in scenario.sections.get("nmpc_controller", {}):
+        own["nmpc_controller.settling_time"] = time
+    for section, plans in (
+        ("nmpc_controller", scenario.method.name == "planned"),
+        ("reference_governor", scenario.law.name == "planned"),
+    ):
+        if plans:
+            own |= {
+                f"{section}.plan.duration": time,
+                f"{section}.plan.torque_bounds": torque,
+                f"{section}.plan.momentum_bounds": momentum,
+            }
     own |= {
         f"nmpc_controller.zones.{zone.name}.penalty": stage for zone in scenario.controller.zones
     }

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from spacecraft_gnc.arguments import as_count, require_kind, require_positive
 from spacecraft_gnc.arrays import as_finite
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp.transfer._active_kernels import active_set, is_minimum
+from spacecraft_gnc.ocp.transfer._found import Found, best_of
 from spacecraft_gnc.ocp.transfer._interior_kernels import interior
 from spacecraft_gnc.ocp.transfer.certificate import is_too_short, time_bound_text
 from spacecraft_gnc.ocp.transfer.conditions import Residuals, evaluate, units
@@ -35,30 +36,6 @@ _BISECTIONS: Final = 9
 _LEAST_CURVATURE: Final = 1e-9
 _POLISH: Final = 40  # Newton steps of Algorithm 2
 _FEASIBLE: Final = (Status.CONVERGED, Status.SADDLE)
-
-
-class Found(NamedTuple):
-    """What one start led to."""
-
-    status: Status
-    plan: tuple[Array, Array, Array, Array]
-    multipliers: tuple[Array, Array]
-    sets: tuple[NDArray[np.int64], NDArray[np.int64]]
-    iterations: int
-    error: float
-    """Largest residual relative to the units."""
-
-    @property
-    def cost(self) -> float:
-        """Sum of |u|^2 / 2."""
-        return 0.5 * float(np.sum(self.plan[0] ** 2))
-
-    @property
-    def rank(self) -> tuple[int, float]:
-        """Order of preference, the best first."""
-        if self.status == Status.CONVERGED:
-            return 0, self.cost
-        return (1, self.cost) if self.status == Status.SADDLE else (2, self.error)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +107,7 @@ class TransferSolver:
                 if i >= self.starts and any(one.status == Status.CONVERGED for _, one in tried):
                     break
                 tried.append((name, self._run(problem, make_start(problem, name), arena)))
-        found = min((one for _, one in tried), key=lambda one: one.rank)
+        found = best_of([one for _, one in tried])
         if found.status not in _FEASIBLE and is_too_short(problem, problem.n_steps):
             found = found._replace(status=Status.INFEASIBLE)
         summary = tuple(Tried(name, one.status, one.cost, one.iterations) for name, one in tried)
