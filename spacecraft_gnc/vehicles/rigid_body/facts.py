@@ -9,8 +9,6 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.governors.laws import STORED, TURNING
-from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
-from spacecraft_gnc.vehicles.rigid_body.planner.rows import bounds_text
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, reservation
 from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan, plans, real_limits
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
@@ -56,6 +54,8 @@ def _limits(scenario: Scenario) -> list[tuple[str, str]]:
     if not plans(scenario):
         largest = scenario.controller.max_torque
         return [("torque limit", f"{largest:g} N m" if largest else "none")]
+    from spacecraft_gnc.vehicles.rigid_body.planner.rows import bounds_text  # loads the solver
+
     real, numbers = real_limits(scenario), _plan_numbers(scenario)
     pairs = (("torque", real[:2], "N m"), ("momentum", real[2:], "N m s"))
     kept = [f"{what} {bounds_text([*pair])} {u}" for what, pair, u in pairs if _is_bound(pair)]
@@ -72,6 +72,8 @@ def _plan_numbers(scenario: Scenario) -> dict[str, Any]:
     """Return duration [s], cost and active bounds of the first plan; None where none is flown."""
     if not plans(scenario):
         return dict.fromkeys(("plan_duration", "plan_cost", "plan_active"))
+    from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
+
     plan = first_plan(scenario)
     active = dict.fromkeys(f"{one.quantity} {AXES[one.axis]}" for one in plan.active)
     return {
