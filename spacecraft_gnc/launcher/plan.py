@@ -161,12 +161,9 @@ def make_plan(
 def _named_files(fleet: Fleet, folder: Path) -> Iterator[tuple[str, str]]:
     """Yield the parameters that name files, as whole paths: the file of a run is elsewhere."""
     for agent, one in fleet.agents.items():
-        for section, values in one.values.items():
-            for name, value in values.items():
-                spec = one.schema.spec_of(section, name, value)
-                if value and spec is not None and spec.is_file:
-                    key = f"/{agent}/{section}.{name}" if agent else f"{section}.{name}"
-                    yield key, emit(str(folder / str(value)))
+        for section, name, path in one.named_files():
+            key = f"/{agent}/{section}.{name}" if agent else f"{section}.{name}"
+            yield key, emit(str(folder / path))
 
 
 def node_options(autostart: bool, bag: Path) -> list[str]:

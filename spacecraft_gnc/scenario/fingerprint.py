@@ -2,7 +2,7 @@
 
 It is made of every value that decides the flight, defaults included, so that a file, the same file
 with its defaults written out and what a bag holds of either have one fingerprint. Defaults that
-change nothing (`ParameterSpec.is_neutral`) are left out.
+change nothing (`ParameterSpec.is_neutral`) are left out, and so is where files are.
 """
 
 from __future__ import annotations
@@ -59,8 +59,10 @@ def flown_values(scenario: Scenario) -> dict[str, str]:
 
 
 def _says_nothing(spec: ParameterSpec | None, value: Value) -> bool:
-    """Tell whether a value is a default with which the flight is that of before it existed."""
-    return spec is not None and spec.is_neutral and value == spec.default
+    """Tell whether a value is a path, or a default that was the flight's before it existed."""
+    if spec is None:
+        return False
+    return spec.is_file or (spec.is_neutral and value == spec.default)
 
 
 def _emitted(scenario: Scenario, spec: ParameterSpec | None, value: Value) -> str:

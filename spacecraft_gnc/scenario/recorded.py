@@ -35,7 +35,7 @@ def parse_scenario(
     """Return the scenario of a namespace in a text and, if it is refused, the first reason.
 
     ``defaults``: those that the flight took, as recorded; a flight without any is one of before
-    they followed from the spacecraft.
+    they followed from the spacecraft. Files that the scenario names are left out.
     """
     if not text:
         return None, ""
@@ -44,6 +44,11 @@ def parse_scenario(
         sections = read_sections(SCENARIO_ATTACHMENT, namespace, text)
         stated = _defaults(defaults, sections, namespace) if defaults else former_defaults(sections)
         scenario = from_sections(sections, SCENARIO_ATTACHMENT, stated)
+        named = list(scenario.named_files())
+        for section, name, _ in named:
+            del sections[section][name]  # a recording stands for itself, wherever it is
+        if named:
+            scenario = from_sections(sections, SCENARIO_ATTACHMENT, stated)
     except GncError as error:
         return None, str(error).splitlines()[0]
     return replace(scenario, path=f"{source}/{SCENARIO_ATTACHMENT}"), ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, cast
 
@@ -113,6 +113,14 @@ class Scenario:
             for field, _ in self.schema.named_groups(section)
         }
         return self.schema.declarations(section, elements, getattr(own, "plugin", None))
+
+    def named_files(self) -> Iterator[tuple[str, str, str]]:
+        """Yield (section, dotted name, path as given) of the files that the scenario names."""
+        for section, values in self.values.items():
+            for name, value in values.items():
+                spec = self.schema.spec_of(section, name, value)
+                if value and spec is not None and spec.is_file:
+                    yield section, name, str(value)
 
     def build(self) -> ClosedLoop:
         """Return the closed loop of this scenario, ready to run.

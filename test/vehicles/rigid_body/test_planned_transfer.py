@@ -1,11 +1,15 @@
 """The transfer that a scenario plans: its numbers, and one line where there is none."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.parameters.problems import InvalidScenario
 from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.scenario.fingerprint import fingerprint
+from spacecraft_gnc.scenario.recorded import parse_scenario
 from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
 from spacecraft_gnc.vehicles.rigid_body.transfer import (
     first_plan,
@@ -177,3 +181,13 @@ def test_time_too_short_is_told_with_the_shortest_that_is_found(duration, value)
     assert first_plan(scenario({"duration": shortest})).converged
     with pytest.raises(InvalidScenario):
         first_plan(scenario({"duration": round(shortest - 0.1, 1)}))
+
+
+def test_recording_needs_no_file_beside_it():
+    named = scenario({"file": "plan.npz"})
+    assert list(named.named_files()) == [("nmpc_controller", "plan.file", "plan.npz")]
+    found, problem = parse_scenario(named.to_yaml(), Path("bag"), None, named.stated_defaults())
+    assert problem == ""
+    assert list(found.named_files()) == []
+    assert first_plan(found).converged
+    assert fingerprint(found) == fingerprint(named) == fingerprint(scenario())
