@@ -119,6 +119,27 @@ def test_shortest_time_is_the_shortest(capsys: pytest.CaptureFixture[str]) -> No
     assert f"this one: no plan was found in {shorter:g} s" in out
 
 
+def test_reserve_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    reserve = changed(f"{PLAN}.torque_reserve=0.05", f"{PLAN}.momentum_bounds=[]")
+    code, out, _ = run(capsys, "plan", FIGURE_4, *reserve)
+    assert code == 0
+    rows = {line[2:20].strip(): line[20:] for line in out.splitlines()}
+    assert rows["torque bounds"] == "+-19 N m, less by the reserve of 5 %"
+    assert rows["momentum bounds"] == "none"
+    told = json.loads(run(capsys, "plan", FIGURE_4, "--json", *reserve)[1])
+    assert told["reserves"] == [0.05, 0.0]
+    assert told["momentum_bounds"] == [[None] * 3] * 2
+    assert max(told["max_torque"]) <= 19.0
+
+
+def test_bounds_may_be_one_sided(capsys: pytest.CaptureFixture[str]) -> None:
+    bounds = changed(f"{PLAN}.torque_bounds=[-15.0, -.inf, -20.0, .inf, 18.0, 20.0]")
+    code, out, _ = run(capsys, "plan", FIGURE_4, *bounds)
+    assert code == 0
+    assert "x at least -15, y at most 18, z +-20 N m" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
 def test_governor_that_plans(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     file = tmp_path / "governed.yaml"
     text = Path(load(FIGURE_4).path).read_text(encoding="utf-8")

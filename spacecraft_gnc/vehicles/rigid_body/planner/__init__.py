@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -55,14 +56,14 @@ class RigidBodyPlanner:
         """Return the plan of a scenario; or the one of the shortest time, where any is found."""
         from spacecraft_gnc.ocp.transfer import TransferSolver, shortest_transfer
 
-        problem = transfer_of(scenario)
-        solver = TransferSolver(starts=plan_parameters(scenario).starts)
-        if not shortest:
-            return Plan(solver.solve(problem))
-        try:
-            return Plan(shortest_transfer(problem, solver), is_shortest=True)
-        except ParameterError:  # in no time: that of the scenario says what was tried
-            return Plan(solver.solve(problem))
+        problem, plan = transfer_of(scenario), plan_parameters(scenario)
+        solver, is_shortest = TransferSolver(starts=plan.starts), False
+        if shortest:
+            with suppress(ParameterError):  # none in any time: what was tried in the given one says
+                solution, is_shortest = shortest_transfer(problem, solver), True
+        if not is_shortest:
+            solution = solver.solve(problem)
+        return Plan(solution, is_shortest, (plan.torque_reserve, plan.momentum_reserve))
 
     def refusal(self, scenario: Scenario, plan: Plan) -> Problem | None:
         """Return why there is no plan; None where there is."""

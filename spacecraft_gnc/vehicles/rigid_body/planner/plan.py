@@ -26,10 +26,14 @@ class Plan:
     solution : TransferSolution
     is_shortest : bool
         Whether none was found with a control step less.
+    reserves : pair of float
+        Shares of the real bounds on torque and momentum that it leaves to the tracking; NaN where
+        that is not known.
     """
 
     solution: TransferSolution
     is_shortest: bool = False
+    reserves: tuple[float, float] = (math.nan, math.nan)
 
     @property
     def n_steps(self) -> int:
@@ -88,6 +92,7 @@ def numbers(plan: Plan) -> dict[str, Any]:
         "max_momentum": np.abs(solution.momentum).max(axis=0),
         "torque_bounds": [low_u, high_u],
         "momentum_bounds": [low_p, high_p],
+        "reserves": list(plan.reserves),
         "solve_time": solution.solve_time,
     }
 

@@ -26,8 +26,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the lines of a plan's summary, label and text, from its numbers."""
     rows = [
         ("transfer", _transfer(m)),
-        ("torque bounds", f"{bounds_text(m['torque_bounds'])} N m"),
-        ("momentum bounds", f"{bounds_text(m['momentum_bounds'])} N m s"),
+        *(_bounds(m, name, reserve) for name, reserve in zip(UNITS, m["reserves"], strict=True)),
         ("status", m["status"]),
         ("cost", f"{m['cost']:.10g} N^2 m^2 (sum of |u|^2 / 2)"),
         ("largest torque", f"{_vector(m['max_torque'])} N m"),
@@ -80,6 +79,13 @@ def checks(plan: Plan) -> tuple[tuple[str, str, str, str, str], ...]:
 def _transfer(m: dict[str, Any]) -> str:
     steps = f"{m['steps']} control steps of {m['period']:g} s"
     return f"{m['angle_deg']:.6g} deg in {m['duration']:.6g} s, {steps}"
+
+
+def _bounds(m: dict[str, Any], name: str, reserve: float) -> tuple[str, str]:
+    text = bounds_text(m[f"{name}_bounds"])
+    unit = "" if text == "none" else f" {UNITS[name]}"
+    less = f", less by the reserve of {100.0 * reserve:g} %" if reserve > 0.0 and unit else ""
+    return f"{name} bounds", f"{text}{unit}{less}"
 
 
 def _pair(low: float, high: float) -> str:
