@@ -119,6 +119,20 @@ def test_shortest_time_is_the_shortest(capsys: pytest.CaptureFixture[str]) -> No
     assert f"this one: no plan was found in {shorter:g} s" in out
 
 
+def test_plan_that_stays_where_it_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    still = changed("reference_governor.target_rotation_vector=[0.0, 0.0, 0.0]")
+    still += changed("plant.initial_momentum=[0.0, 0.0, 0.0]")
+    file = tmp_path / "still.npz"
+    code, out, _ = run(capsys, "plan", FIGURE_4, "-o", file, *still)
+    assert code == 0
+    assert "0 deg in 19 s" in out
+    assert run(capsys, "report", file, "-o", tmp_path / "still.html", "-q") == (0, "", "")
+    assert run(capsys, "plot", file, "-o", tmp_path, "-f", "png", "-q") == (0, "", "")
+    code, out, _ = run(capsys, "plan", FIGURE_4, "--shortest", *still)
+    assert code == 0
+    assert "this one: no plan has fewer steps" in out
+
+
 def test_reserve_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     reserve = changed(f"{PLAN}.torque_reserve=0.05", f"{PLAN}.momentum_bounds=[]")
     code, out, _ = run(capsys, "plan", FIGURE_4, *reserve)

@@ -29,6 +29,9 @@ from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES, Plan
 from spacecraft_gnc.vehicles.rigid_body.planner.rows import active_texts, bounds_text
 
 
+_NOTHING: Final = 1e-12  # [N^2 m^2] cost of a plan that stays where it is, at most
+
+
 class Planned(FlownRun, Protocol):
     """A plan that a page shows."""
 
@@ -42,15 +45,13 @@ def _active(run: Planned) -> str:
 
 
 def _bounds(name: str) -> Callable[[Planned], str]:
-    return lambda run: bounds_text(run.metrics[name])
+    return lambda run: bounds_text(run.metrics[name]).replace("+-", "±")
 
 
 def _starts(run: Planned) -> str:
-    tried = run.metrics["tried"]
-    same = sum(
-        one["status"] == "converged" and abs(one["cost"] / run.metrics["cost"] - 1.0) < 1e-6
-        for one in tried
-    )
+    tried, cost = run.metrics["tried"], run.metrics["cost"]
+    most = cost * (1.0 + 1e-6) + _NOTHING
+    same = sum(one["status"] == "converged" and one["cost"] <= most for one in tried)
     return f"{same} of {len(tried)}"
 
 

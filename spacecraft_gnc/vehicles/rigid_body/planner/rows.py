@@ -11,6 +11,7 @@ from spacecraft_gnc.vehicles.rigid_body.planner.plan import Plan
 
 UNITS: Final = {"torque": "N m", "momentum": "N m s"}
 _TOLERANCE: Final = 1e-8
+_FEWEST: Final = 2  # control steps of a transfer
 _CONDITIONS: Final = {
     "momentum": "momentum, from a roll-out of the torque",
     "end_attitude": "attitude at the end [rad]",
@@ -116,7 +117,9 @@ def _tried(m: dict[str, Any]) -> Iterator[str]:
 
 
 def _shortest(m: dict[str, Any]) -> Iterator[str]:
-    if m["is_shortest"]:
+    if m["is_shortest"] and m["steps"] == _FEWEST:
+        yield "this one: no plan has fewer steps"
+    elif m["is_shortest"]:
         yield f"this one: no plan was found in {m['duration'] - m['period']:.6g} s"
     yield f"no torque within the bounds makes it in less than {m['shortest_possible']:.6g} s"
 
