@@ -28,7 +28,6 @@ from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES, Plan
 from spacecraft_gnc.vehicles.rigid_body.planner.rows import active_texts, bounds_text
 
-
 _NOTHING: Final = 1e-12  # [N^2 m^2] cost of a plan that stays where it is, at most
 
 
