@@ -1,4 +1,7 @@
-"""Planning of a rigid body's transfers for ``gnc plan``, and the reading of its plans."""
+"""Planning of a rigid body's transfers for ``gnc plan``, and the reading of its plans.
+
+Kernels are imported by what solves: ``gnc check`` reads how a plan is told.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +9,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-
-from spacecraft_gnc import lie
-from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.parameters.problems import Problem
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import Plan, numbers
@@ -45,6 +44,10 @@ class RigidBodyPlanner:
 
     def warm_up(self) -> None:
         """Load the kernels; compile them where that was never done."""
+        import numpy as np
+
+        from spacecraft_gnc import lie
+        from spacecraft_gnc.dynamics import RigidBody
         from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolver
 
         body, goal = RigidBody(np.eye(3), 1.0), lie.exp(np.array([0.1, 0.0, 0.0]))
