@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.loop.flight import UNREADABLE
 
 _VEHICLE: Final = "plan_of.npy"
 
@@ -41,5 +42,5 @@ def vehicle_in(path: Path) -> str:
                 return ""
             with members.open(_VEHICLE) as member:
                 return str(np.lib.format.read_array(member, allow_pickle=False))
-    except (OSError, ValueError, zipfile.BadZipFile):
+    except UNREADABLE:
         return ""  # whoever reads it says what is wrong

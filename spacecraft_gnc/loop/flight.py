@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -24,6 +25,12 @@ _DEFAULTS: Final = "scenario_defaults"
 _SHARED: Final = ("period", "time")
 _SUFFIX: Final = ".npy"
 _ITEM: Final = 8  # bytes of a number
+UNREADABLE: Final = (
+    OSError, KeyError, ValueError, EOFError, RuntimeError, MemoryError, zipfile.BadZipFile,
+    zlib.error, tokenize.TokenError,
+)  # fmt: skip
+"""What reading a ``.npz`` file may raise: it is missing, torn or another kind of file, or a header
+in it is damaged, which asks for any size."""
 
 
 @dataclasses.dataclass(slots=True)
@@ -280,7 +287,7 @@ def _members_of(path: str | Path) -> Iterator[zipfile.ZipFile]:
     try:
         with Path(path).open("rb") as stream, zipfile.ZipFile(stream) as members:
             yield members
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile, zlib.error, EOFError) as err:
+    except UNREADABLE as err:
         raise RecordingError(
             f"{path}: cannot be read as a flight ({err}); required a .npz file written by "
             "`gnc simulate --out`; fly again"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import zipfile
-import zlib
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -16,6 +15,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.drawing.whole_file import whole_file
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import GncError, RecordingError
+from spacecraft_gnc.loop.flight import UNREADABLE
 from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolution
 from spacecraft_gnc.ocp.transfer.conditions import evaluate
 from spacecraft_gnc.ocp.transfer.solution import Tried
@@ -91,7 +91,7 @@ def load_plan(path: str | Path) -> StoredPlan:
     try:
         found = _members(Path(path))
         solution = _solution(found)
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile, zlib.error, EOFError) as error:
+    except UNREADABLE as error:
         reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise RecordingError(
             f"{path}: cannot be read as a plan ({reason}); required a .npz file written by "

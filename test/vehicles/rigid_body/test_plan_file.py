@@ -2,11 +2,13 @@
 
 import math
 import os
+import zipfile
 
 import numpy as np
 import pytest
 from transfer_cases import BODY, figure_4, paper_transfer
 
+from spacecraft_gnc.analysis.plan_file import vehicle_in
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.ocp.transfer import TransferSolver
@@ -131,3 +133,32 @@ def test_difference_of_attitudes_is_an_angle():
     other = paper_transfer(80.0, (1.0, 1.0, 1.0), 19.0)
     told = difference(paper_transfer(90.0, (1.0, 1.0, 1.0), 19.0), other)
     assert told == "another target, 10 deg off"
+
+
+def test_damage_anywhere_is_refused_in_one_line(stored):
+    whole, random = stored.read_bytes(), np.random.default_rng(16)
+    for i in range(150):
+        damaged = bytearray(whole)
+        place = random.integers(len(damaged)) if i % 3 else -random.integers(2000) - 1
+        damaged[place] ^= 1 << random.integers(8)
+        stored.write_bytes(damaged[: random.integers(len(damaged))] if i % 10 == 0 else damaged)
+        text = ""
+        try:
+            load_plan(stored)  # a bit may decide nothing
+        except RecordingError as error:
+            text = str(error)
+        assert "\n" not in text
+
+
+@pytest.mark.parametrize("text", ["{'descr': ((", "{'shape': (9999999999999, 3)", "\x00"])
+def test_damaged_header_of_an_array_is_refused(stored, text):
+    with zipfile.ZipFile(stored) as members:
+        arrays = {name: members.read(name) for name in members.namelist()}
+    header = arrays["torque.npy"]
+    arrays["torque.npy"] = header[:10] + text.encode() + header[10 + len(text) :]
+    with zipfile.ZipFile(stored, "w") as members:
+        for name, data in arrays.items():
+            members.writestr(name, data)
+    with pytest.raises(RecordingError, match="cannot be read as a plan"):
+        load_plan(stored)
+    assert vehicle_in(stored) == "rigid_body"
