@@ -5,11 +5,14 @@ from __future__ import annotations
 import copy
 
 from flown_bags import fly
+from recording.bags import CODEC
 
 from spacecraft_gnc import lie
 
 INERTIA = [800.0, 0.0, 0.0, 0.0, 1200.0, 0.0, 0.0, 0.0, 1000.0]
 LEAD = 3
+NS = 250_000_000  # control period [ns]
+KEPT = "command = what the tracking asks for, within the bounds"
 PLAN = {
     "duration": 22.0,
     "torque_bounds": [20.0],
@@ -70,3 +73,22 @@ def _flat(plan):
 def fly_planned(folder, **options):
     """Fly along a plan and another one; return the bag."""
     return fly(folder, planned(), **options)
+
+
+def failed(audit):
+    """Return the names of the checks that failed."""
+    return {check.name for check in audit.checks if check.verdict == "FAIL"}
+
+
+def lines(audit):
+    """Return the checks by name."""
+    return {check.name: check for check in audit.checks}
+
+
+def moved(*by):
+    """Return a change of a Vector3."""
+
+    def change(old):
+        return CODEC.vector([old.x + by[0], old.y + by[1], old.z + by[2]])
+
+    return change

@@ -43,6 +43,13 @@ def test_what_was_flown_passes(bag):
     assert "attitude_reference.torque" in checks["decision of the governor"].examined
 
 
+def test_steps_of_the_plant_that_are_shorter_than_the_period(tmp_path):
+    """The momentum of a body on its way is that of the plant's integrator."""
+    flown = moving(plant={"time_step": 0.1}, nmpc_controller={"time_step": 0.4})
+    audit = audit_bag(fly(tmp_path, flown))
+    assert audit.passed, audit.first
+
+
 @pytest.fixture(scope="module")
 def flown(tmp_path_factory):
     bag = fly(tmp_path_factory.mktemp("changed"), moving())

@@ -93,19 +93,26 @@ def track_of(problem: Problem, references: Array, feedforward: Array) -> Track:
     R = np.repeat(references[:, None], n + 1, axis=1)
     Pi, u, exists = np.zeros((m, n + 1, 3)), np.zeros((m, 3)), np.ones(m, dtype=bool)
     if feedforward.any():
-        omega, tau = feedforward[:, 0], feedforward[:, 1]
-        F, Jd = exp(h * omega), nonstandard(problem)
-        Pi[:, 0] = vee(F @ Jd - Jd @ transposed(F)) / h
-        needed = (Pi[:, 0] - times(transposed(F), Pi[:, 0])) / h
-        beyond = tau - np.cross(omega, omega @ np.asarray(problem.ocp.inertia).T)
-        u = needed + beyond
-        Pi[:, 0] += 0.5 * h * beyond
+        Pi[:, 0], u = _start_of(problem, feedforward[:, 0], feedforward[:, 1])
         for k in range(n):
             F, there = problem.turns(Pi[:, k])
             exists &= there
             R[:, k + 1] = R[:, k] @ F
             Pi[:, k + 1] = times(transposed(F), Pi[:, k]) + h * u
     return Track(R, Pi, u @ problem.ocp.allocation.T, exists)
+
+
+def _start_of(problem: Problem, omega: Array, tau: Array) -> tuple[Array, Array]:
+    """Return momentum and torque (m, 3) of a body that the plant's integrator carries along."""
+    h, J_omega = float(problem.ocp.plant_step or 0.0), omega @ np.asarray(problem.ocp.inertia).T
+    gyroscopic = np.cross(omega, J_omega)
+    Pi, needed = J_omega, gyroscopic
+    if h > 0.0:
+        F, Jd = exp(h * omega), nonstandard(problem)
+        Pi = vee(F @ Jd - Jd @ transposed(F)) / h
+        needed = (Pi - times(transposed(F), Pi)) / h
+    beyond = tau - gyroscopic
+    return np.asarray(Pi + 0.5 * h * beyond), np.asarray(needed + beyond)
 
 
 def sweep(problem: Problem, s: Stages, share: Array) -> Array:

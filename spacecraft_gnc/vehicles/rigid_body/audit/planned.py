@@ -16,9 +16,9 @@ from spacecraft_gnc.audit.order import audit_each_step, stamps_of
 from spacecraft_gnc.governors.planned.report import Cause
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, REFERENCE
-from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.rigid_body.audit.believed import Believed
+from spacecraft_gnc.vehicles.rigid_body.audit.failures import SOLVED
 from spacecraft_gnc.vehicles.rigid_body.audit.plan_steps import audit_plan_steps
 from spacecraft_gnc.vehicles.rigid_body.audit.transfers import (
     WHOLE,
@@ -128,7 +128,7 @@ class PlannedAudit:
         if not self.is_tracked or not asked:
             return found
         for block in self._evidence.solves():
-            solved = block.fields["status"] == Status.CONVERGED
+            solved = np.isin(block.fields["status"], SOLVED)
             for i in np.flatnonzero(solved & np.isin(block.steps, sorted(asked))).tolist():
                 torques = block.fields["predicted_torques"][i]
                 found[int(block.steps[i])] = torques[np.isfinite(torques)].reshape(-1, 3)

@@ -157,6 +157,7 @@ class TransferAudit:
         """
         for i, each in enumerate(plans):
             self._asked_for(each, targets)
+            self._lasts(each, plans[:i])
             self._starts(each, plans[:i], ahead)
             with np.errstate(all="ignore"):  # numbers of a recording may be of any size
                 self._certify(each)
@@ -187,14 +188,21 @@ class TransferAudit:
         for field, values in expected.items():
             where = f"{ATTITUDE_PLAN}.{field}"
             self._compare(name, each, where, recorded[field], values)
-        if first:
-            kept = each.n_steps == planned_steps(self._scenario)
-            name = "plan of a transfer: its duration"
-            self._require(name, "plan.duration", each, "torques", kept)
 
     def asked(self, each: Told) -> int:
         """Return the step at which a further plan was asked for."""
         return each.first_step - plan_parameters(self._scenario).replan_lead
+
+    def _lasts(self, each: Told, earlier: tuple[Told, ...]) -> None:
+        """Require the scenario's time, of a further plan what was left or more."""
+        wanted = planned_steps(self._scenario)
+        kept = each.n_steps == wanted
+        if each.cause != Cause.START and earlier:
+            if each.cause == Cause.DEVIATION:
+                wanted = earlier[-1].first_step + earlier[-1].n_steps - each.first_step
+            kept = each.n_steps >= wanted
+        name, need = "plan of a transfer: its duration", "plan.duration, or what is left of it"
+        self._require(name, need, each, "torques", kept)
 
     def _starts(self, each: Told, earlier: tuple[Told, ...], ahead: Mapping[int, Array]) -> None:
         """Compare the start of a plan with the scenario's, or with a prediction from where it was.
