@@ -181,10 +181,22 @@ def test_a_step_or_a_plan_left_out_is_found(bag, messages, tmp_path, second):
     assert "plan of each step told" in failed(audit)
 
 
+def without(topic, bag, messages, folder):
+    left = [item for item in messages if item[0] != f"/{topic}"]
+    return audit_bag(rewrite(bag, folder / topic, left))
+
+
 def test_what_was_not_recorded_is_not_certified(bag, messages, tmp_path):
-    left = [item for item in messages if item[0] != "/attitude_plan"]
-    found = lines(audit_bag(rewrite(bag, tmp_path / "bag", left)))
+    found = lines(without("attitude_plan", bag, messages, tmp_path))
     assert "no plan is certified" in found["plans of transfers, whole"].note
+    audit = without("plan_status", bag, messages, tmp_path)
+    assert failed(audit) == {"steps of plan_status"}
+    assert "what was tracked is not known" in lines(audit)["plans of the solver"].note
+    audit = without("solver_status", bag, messages, tmp_path)
+    assert failed(audit) == {"steps of solver_status"}
+    start = lines(audit)["plan of a transfer: its start"]
+    assert (start.steps, start.verdict) == (1, "pass")
+    assert "was not recorded: not foreseen" in start.note
 
 
 HEAVIER = [801.0, *INERTIA[1:]]

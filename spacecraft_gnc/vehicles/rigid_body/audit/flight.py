@@ -45,6 +45,9 @@ _TOPICS: Final = Topics(
 )
 
 
+_PLANS: Final = "plans of the solver"
+
+
 class RigidBodyAudit:
     """Implements `audit.vehicle.VehicleAudit`."""
 
@@ -73,7 +76,10 @@ class RigidBodyAudit:
         audit_decisions(evidence, ledger, tolerance, watch("asking the governor"))
         planned = PlannedAudit(evidence)
         planned.audit(ledger, held, watch("certifying plans"))
-        _solves(planned.tracked, ledger, counts, tolerance, watch("certifying"))
+        if planned.is_blind:
+            ledger.skip(_PLANS, "plan_status was not recorded: what was tracked is not known")
+        else:
+            _solves(planned.tracked, ledger, counts, tolerance, watch("certifying"))
         audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
         return _exceeded(evidence)
 
@@ -108,7 +114,7 @@ def _solves(
         ledger.skip(FAILURES, f"method {method} {makes}")
     if not solves.steps.size:
         why = "solver_status was not recorded: no command is certified"
-        ledger.skip("plans of the solver", why)
+        ledger.skip(_PLANS, why)
         if solver is not None:
             solver.finish()
         return
@@ -121,7 +127,7 @@ def _solves(
             solver.audit(block)
         solver.finish()
     else:
-        ledger.skip("plans of the solver", f"method {method} makes none that is known here")
+        ledger.skip(_PLANS, f"method {method} makes none that is known here")
     if not scenario.method.memoryless and (certifier is None or not certifier.has_law):
         if certifier is None:
             ledger.skip(LAW, f"method {method} is a plug-in's, which may remember its past")

@@ -81,18 +81,20 @@ class PlannedAudit:
             self._published(ledger)
 
     @property
-    def tracked(self) -> Evidence:
-        """The flight as what tracks sees it: its reference that of the plan, its command nominal.
+    def is_blind(self) -> bool:
+        """Whether nothing is known of what was tracked."""
+        return self.is_tracked and not self._evidence.columns[PLAN_STATUS].steps.size
 
-        Without a step of the plan nothing is known of either.
-        """
+    @property
+    def tracked(self) -> Evidence:
+        """The flight as the tracking sees it: with the reference of the plan, and nominal torques."""
         evidence = self._evidence
-        if not self.is_tracked:
+        if not self.is_tracked or self.is_blind:
             return evidence
         status = evidence.columns[PLAN_STATUS]
         fields = {"attitude": "attitude", "angular_velocity": "reference_rate",
                   "torque": "reference_torque"}  # fmt: skip
-        seen = {name: status.fields[field] for name, field in fields.items() if status.steps.size}
+        seen = {name: status.fields[field] for name, field in fields.items()}
         steps = evidence.common(PLAN_STATUS, TORQUE)
         asked = {
             "torque": evidence.rows(PLAN_STATUS, "nominal_torque", steps),
@@ -123,15 +125,17 @@ class PlannedAudit:
         return found
 
     def _ahead(self, asked: set[int]) -> Mapping[int, Array]:
-        """Return the torques that solves foresaw at steps, where they converged."""
+        """Return the torques that solves foresaw at steps; none where they did not converge."""
+        none = np.empty((0, 3))
+        if not self.is_tracked:
+            return dict.fromkeys(asked, none)
         found: dict[int, Array] = {}
-        if not self.is_tracked or not asked:
-            return found
-        for block in self._evidence.solves():
+        for block in self._evidence.solves() if asked else ():
             solved = np.isin(block.fields["status"], SOLVED)
-            for i in np.flatnonzero(solved & np.isin(block.steps, sorted(asked))).tolist():
+            for i in np.flatnonzero(np.isin(block.steps, sorted(asked))).tolist():
                 torques = block.fields["predicted_torques"][i]
-                found[int(block.steps[i])] = torques[np.isfinite(torques)].reshape(-1, 3)
+                known = torques[np.isfinite(torques)].reshape(-1, 3)
+                found[int(block.steps[i])] = known if solved[i] else none
         return found
 
     def _steps(

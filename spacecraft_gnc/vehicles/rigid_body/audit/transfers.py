@@ -151,7 +151,8 @@ class TransferAudit:
         targets
             (3, 3) what was wanted, by step.
         ahead
-            (m, 3) torques that the tracking foresaw, by the step at which a plan was asked for.
+            (m, 3) torques that the tracking foresaw, by the step at which a plan was asked for;
+            those of the plan before follow. Steps of which this is not known are left out.
         progress
             Called with the plans done and in all.
         """
@@ -219,11 +220,10 @@ class TransferAudit:
             at = np.array([asked])
             state = self._evidence.rows(STATE, "attitude", at).reshape(3, 3)
             momentum = self._evidence.rows(STATE, "angular_momentum", at)[0]
-            if not earlier or not np.isfinite(momentum).all():
-                self._ledger.check(name, "", f"from step {asked}, which was not recorded")
+            if not earlier or asked not in ahead or not np.isfinite(momentum).all():
+                self._ledger.check(name, "", f"step {asked} was not recorded: not foreseen")
                 return
-            torques = earlier[-1].torques(asked, lead)
-            foreseen = ahead.get(asked, torques[:0])[:lead]
+            torques, foreseen = earlier[-1].torques(asked, lead), ahead[asked][:lead]
             torques[: len(foreseen)] = foreseen
             R, Pi = self._believed.ahead(state, momentum, torques)
         off = plan.attitudes[0] - R
