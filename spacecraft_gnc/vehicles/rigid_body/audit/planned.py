@@ -87,7 +87,7 @@ class PlannedAudit:
 
     @property
     def tracked(self) -> Evidence:
-        """The flight as the tracking sees it: with the reference of the plan, and nominal torques."""
+        """The flight as the tracking sees it: with the plan as its reference, before the bounds."""
         evidence = self._evidence
         if not self.is_tracked or self.is_blind:
             return evidence
