@@ -25,7 +25,7 @@ OPTIONS: Final[dict[str, Any]] = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "ipopt.max_iter": 500,
-    "ipopt.max_cpu_time": 5.0,  # [s]; a plan takes 0.1, the search for none may take minutes
+    "ipopt.max_cpu_time": 3.0,  # [s]; a plan takes 0.1, the search for none may take minutes
     "ipopt.mu_strategy": "adaptive",  # fewer iterations than with the default
     "ipopt.bound_relax_factor": 0.0,  # else costs are up to 6e-7 below those within the bounds
     "ipopt.tol": 1e-9,

@@ -28,7 +28,7 @@ class Length(NamedTuple):
     """Newton steps."""
 
 
-def time_lengths(lengths: tuple[int, ...] = LENGTHS, repeats: int = 5) -> tuple[Length, ...]:
+def time_lengths(lengths: tuple[int, ...] = LENGTHS, repeats: int = 15) -> tuple[Length, ...]:
     """Time figure 4 over the number of steps: the shortest of some solves each."""
     solver = TransferSolver(starts=1)
     found = []
