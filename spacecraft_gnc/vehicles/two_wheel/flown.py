@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.attitude_view import Rotors
 from spacecraft_gnc.drawing.geometry import rim
+from spacecraft_gnc.drawing.marks import Mark
 from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.euler import to_euler_321
@@ -83,6 +85,15 @@ def events(flight: WheelFlight) -> list[Event]:
         if not column.all()
     ]
     return sorted(found)
+
+
+def marks(flight: WheelFlight) -> list[Mark]:
+    """Return `events` as diagrams show them."""
+    colors = {True: style.LIMIT_COLOR, False: style.INK}
+    return [
+        Mark(event.time, event.text, colors[event.is_truth], event.is_truth)
+        for event in events(flight)
+    ]
 
 
 def beliefs(flight: WheelFlight) -> list[str]:

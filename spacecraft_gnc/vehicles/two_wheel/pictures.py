@@ -13,6 +13,7 @@ from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.axes import component, frame, legend, legend_below, limit, logarithmic
 from spacecraft_gnc.drawing.chart import held
 from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Draw, Maker, stacked
+from spacecraft_gnc.drawing.marks import Mark, draw_marks
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel import flown as series
 from spacecraft_gnc.vehicles.two_wheel.flown import Flown
@@ -78,7 +79,7 @@ def replay_figure(resolved: Resolved, names: tuple[str, str], title: str) -> Fig
 def _diagrams(run: Flown, scale: str) -> dict[str, Draw]:
     """Return what draws each quantity of a flight into given axes."""
     flight, scenario, names = run.trajectory, run.scenario, series.wheel_names(run.trajectory)
-    lines = partial(partial, _lines, times=run.times, events=series.events(flight))
+    lines = partial(partial, _lines, times=run.times, marks=series.marks(flight))
     return {
         "error": partial(_errors, runs=[run], scale=scale),
         "euler": lines(
@@ -122,7 +123,7 @@ def _lines(
     title: str,
     unit: str,
     bound: float = 0.0,
-    events: Sequence[series.Event] = (),
+    marks: Sequence[Mark] = (),
     **line: Any,
 ) -> None:
     """Draw (n, m) values over time, and their limit on both sides where it is near."""
@@ -132,14 +133,7 @@ def _lines(
     if bound and largest > 0.5 * bound:
         limit(axes, bound)
         limit(axes, -bound)
-    for event in events:
-        color = style.LIMIT_COLOR if event.is_truth else style.INK
-        axes.axvline(event.time, color=color, linewidth=0.9, linestyle=":")
-        axes.annotate(
-            event.text, (event.time, 0.0), xycoords=("data", "axes fraction"), rotation=90.0,
-            xytext=(-2 if event.is_truth else 2, 4), textcoords="offset points", color=color,
-            fontsize=7.0, ha="right" if event.is_truth else "left", va="bottom",
-        )  # fmt: skip
+    draw_marks(axes, marks)
     legend(axes, min(len(names), 4))
     frame(axes, times, title, f"[{unit}]")
 

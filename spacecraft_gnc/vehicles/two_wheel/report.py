@@ -42,7 +42,7 @@ from spacecraft_gnc.vehicles.two_wheel.summary import (
     states,
 )
 from spacecraft_gnc.vehicles.two_wheel.telemetry import Telemetry, telemetry
-from spacecraft_gnc.vehicles.two_wheel.watch import mark, watch_charts
+from spacecraft_gnc.vehicles.two_wheel.watch import mark_losses, watch_charts
 
 if TYPE_CHECKING:
     from spacecraft_gnc.recording.bag import Bag
@@ -125,7 +125,7 @@ class WheelReport:
     def charts(self, runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         """Yield the diagrams."""
         for chart in self._charts(runs, points):
-            mark(chart, runs)
+            mark_losses(chart, runs)
             yield chart
 
     def _charts(self, runs: Sequence[Flown], points: int) -> Iterator[Chart]:

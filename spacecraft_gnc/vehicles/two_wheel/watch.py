@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
-from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.chart import Chart, named, over_time
+from spacecraft_gnc.drawing.marks import mark
 from spacecraft_gnc.drawing.traces import (
     DASHES,
     Curve,
@@ -57,21 +57,7 @@ def _residuals(runs: Sequence[Flown], i: int, run: Flown, points: int) -> Iterat
         yield trace(Curve(times, watch.threshold[:, j], "", faint, options=hidden), points)
 
 
-def mark(chart: Chart, runs: Sequence[Flown]) -> None:
+def mark_losses(chart: Chart, runs: Sequence[Flown]) -> None:
     """Mark in a diagram over time of one run when wheels were lost and excluded."""
-    if len(runs) > 1:
-        return
-    layout = chart.figure["layout"]
-    for k, event in enumerate(series.events(runs[0].trajectory)):
-        color = style.LIMIT_COLOR if event.is_truth else style.INK
-        line: dict[str, Any] = {"color": color, "width": 1.2, "dash": "dot"}
-        where = {"xref": "x", "yref": "paper", "x0": event.time, "x1": event.time}
-        shape = {"type": "line", "y0": 0.0, "y1": 1.0, "line": line, **where}
-        text = {
-            "xref": "x", "yref": "paper", "x": event.time, "y": 0.01 + 0.08 * (k % 4),
-            "text": event.text, "showarrow": False, "xanchor": "left", "xshift": 3,
-            "yanchor": "bottom", "bgcolor": "rgba(255, 255, 255, 0.8)",
-            "font": {"size": 11, "color": color},
-        }  # fmt: skip
-        layout.setdefault("shapes", []).append(shape)
-        layout.setdefault("annotations", []).append(text)
+    if len(runs) == 1:
+        mark(chart.figure, series.marks(runs[0].trajectory))
