@@ -49,7 +49,7 @@ def test_a_step_along_the_plan(flown, scenario):
     assert values["momentum_use"] == pytest.approx(1.0)  # y is on its bound
     lines = {line.label: line for line in LIVE.readouts(values, governed=False)["plan"]}
     assert lines["phase"].text == "flying"
-    assert lines["momentum bounds"] == ("momentum bounds", "100 % used", "")
+    assert lines["momentum used"] == ("momentum used", "100 %", "")
     assert "plan 0 flying" in LIVE.line(values)[-1]
     wall.now += 14.0
     assert flight.picture().values["plan_phase"] == "arrived"
@@ -62,7 +62,7 @@ def test_what_a_reader_should_notice(flown, scenario):
     lost = replace(flown, torque=torque, plan_phase=phase)
     values = played(lost, scenario, Wall()).picture().values
     lines = {line.label: line for line in LIVE.readouts(values, governed=False)["plan"]}
-    assert lines["torque bounds"] == ("torque bounds", "100.5 % used", "bad")
+    assert lines["torque used"] == ("torque used", "100.5 %", "bad")
     assert lines["phase"] == ("phase", "not found", "bad")
 
 

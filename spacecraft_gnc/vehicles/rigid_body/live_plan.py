@@ -85,14 +85,14 @@ def readouts(values: Mapping[str, Any]) -> Iterator[Readout]:
     yield Readout("plan", f"{values['plan']}")
     yield Readout("phase", values["plan_phase"], _MOODS.get(values["plan_phase"], ""))
     step = values["plan_step"]
-    yield Readout("steps since its start", "" if step is None else f"{int(step)}")
+    yield Readout("plan step", "" if step is None else f"{int(step)}")
     yield Readout("off the plan", f"{small(values['plan_error_deg'])}°")
     off = small(values["plan_momentum_error"])
     yield Readout("momentum off it", off and f"{off} N m s")
     for name in ("torque", "momentum"):
         share = values[f"{name}_use"]
         mood = "bad" if share > _TOUCHING else ""
-        yield Readout(f"{name} bounds", number(100.0 * share, 4, " % used"), mood)
+        yield Readout(f"{name} used", number(100.0 * share, 4, " %"), mood)
 
 
 def line(values: Mapping[str, Any]) -> Iterator[str]:
