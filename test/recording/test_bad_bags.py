@@ -45,7 +45,7 @@ def cut(tmp_path, whole):
     folder = tmp_path / "cut"
     folder.mkdir()
     data = (whole / "bag_0.mcap").read_bytes()
-    (folder / "bag_0.mcap").write_bytes(data[: len(data) // 3])
+    (folder / "bag_0.mcap").write_bytes(data[: len(data) // 4])
     return folder
 
 
