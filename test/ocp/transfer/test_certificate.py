@@ -55,6 +55,21 @@ def test_no_motion_is_ruled_out(seed, time_step, n_steps):
     assert not is_too_short(transfer, n_steps)
 
 
+@settings(max_examples=50)
+@given(st.integers(0, 2**32))
+def test_what_is_too_short_stays_so_with_fewer_steps(seed):
+    """Else `shortest_possible_steps` would be no lower bound: it bisects."""
+    numbers = np.random.default_rng(seed)
+    transfer = AttitudeTransfer(
+        body=random_body(numbers, 0.1), n_steps=2, goal=lie.exp(numbers.uniform(-1.5, 1.5, 3)),
+        start_momentum=numbers.uniform(-0.7, 0.7, 3), goal_momentum=numbers.uniform(-0.7, 0.7, 3),
+        torque=numbers.uniform(0.5, 2.0, 3), momentum=0.8,
+    )  # fmt: skip
+    verdicts = [is_too_short(transfer, n) for n in range(2, 60)]
+    assert verdicts == sorted(verdicts, reverse=True)
+    assert verdicts.index(False) + 2 == shortest_possible_steps(transfer)
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_gyroscopic_coupling_is_bounded(seed):
     numbers = np.random.default_rng(seed)
