@@ -50,7 +50,7 @@ class RigidBodyPlanner:
         from spacecraft_gnc.dynamics import RigidBody
         from spacecraft_gnc.ocp.transfer import AttitudeTransfer, TransferSolver
 
-        body, goal = RigidBody(np.eye(3), 1.0), lie.exp(np.array([0.1, 0.0, 0.0]))
+        body, goal = RigidBody(np.eye(3), 0.4), lie.exp(np.array([0.1, 0.0, 0.0]))
         TransferSolver().solve(
             AttitudeTransfer(body=body, n_steps=4, goal=goal, torque=1.0, momentum=1.0)
         )
