@@ -1,21 +1,26 @@
-"""Second-order condition of a told transfer: its Hessian, reduced to what the bounds leave.
+"""Second-order condition of a told transfer: its second variation where nothing acts.
 
-The motion is taken out: dPi_k and the turn s of the end are linear in the torques du, and the
-Lagrangian's second variation is
+The motion is taken out: with the turn s of the end so far, in its own frame, and dPi,
 
-    sum |du|^2 + dPi_k . H_k dPi_k + y_k . (c x s_k),   y_k = C_k dPi_k,   s_k = y_0 + .. + y_k-1.
+    s+ = s + C dPi,   dPi+ = A dPi + h du,
 
-H_k is the derivative of `stage_gradients`, by an imaginary step, exact to rounding; the last terms
-are those of second order in the product of the turns (Baker, Campbell and Hausdorff). What acts
-strictly is kept: bounds with a multiplier, and the end.
+and the Lagrangian's second variation is the sum over the steps of
+
+    |du|^2 + dPi . H dPi + C dPi . (c x s).
+
+H is the derivative of `stage_gradients`, by an imaginary step, exact to rounding; the last term is
+that of second order in the product of the turns (Baker, Campbell and Hausdorff). What acts strictly
+is kept: torques on a bound do not change; a momentum on a bound, and the last one, is kept by the
+torque before it, which follows from dPi. The end's turn has a large weight, and so has a momentum
+whose torque is on a bound itself. A sweep from the end completes squares, step by step: where all
+are positive, so is the second variation.
 """
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
-from scipy.linalg import eigh, qr
 
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit.matrices import hats, transposed
@@ -29,57 +34,42 @@ STEP: Final = 1e-20
 """Imaginary step."""
 STRONG: Final = 1e-9
 """Multiplier, over the unit, from which a bound acts."""
-_DEPENDENT: Final = 1e-11
-"""Share of the largest row below which a row depends on the others."""
+WEIGHT: Final = 1e7
+"""Of what is kept, over what it takes to keep it."""
 
 
-class SecondVariation(NamedTuple):
-    """Hessian of the Lagrangian by the torques, and what their changes are kept from."""
-
-    hessian: Array
-    """(3 N, 3 N)."""
-    momenta: Array
-    """(N+1, 3, 3 N) derivatives of the momenta."""
-    end: Array
-    """(3, 3 N) turn of the end."""
-
-
-def second_variation(plan: Transfer) -> SecondVariation:
-    """Return the Hessian of a plan and its derivatives."""
-    N, h = len(plan.torques), plan.time_step
-    A, _, C = linearization(plan)
-    moved = np.zeros((N + 1, 3, 3 * N))
-    for k in range(N):
-        moved[k + 1] = A[k] @ moved[k]
-        moved[k + 1, :, 3 * k : 3 * k + 3] += h * np.eye(3)
-    turned = C @ moved[:-1]
-    summed = np.cumsum(turned, axis=0)
-    before = np.concatenate([np.zeros((1, 3, 3 * N)), summed[:-1]])
-    along = _stage_hessians(plan) @ moved[:-1] + transposed(C) @ (hats(plan.end_price) @ before)
-    hessian = np.eye(3 * N) + moved[:-1].reshape(3 * N, -1).T @ along.reshape(3 * N, -1)
-    return SecondVariation(0.5 * (hessian + hessian.T), moved, summed[-1])
-
-
-def least_curvature(plan: Transfer) -> float:
-    """Return the least eigenvalue of the Hessian where nothing acts; infinite where all is kept."""
-    found = second_variation(plan)
+def is_curved(plan: Transfer, least: float) -> bool:
+    """Tell whether the second variation is more than ``least`` sum |du|^2 where nothing acts."""
+    N, h, share = len(plan.torques), plan.time_step, 1.0 - least
     unit_u, _ = plan.units
-    free = (np.abs(plan.torque_multipliers) <= STRONG * unit_u).ravel()
-    pushed = np.abs(plan.momentum_multipliers) * plan.time_step > STRONG * unit_u
-    pushed[[0, -1]] = [[False] * 3, [True] * 3]  # the last one is given
-    kept = np.vstack([found.momenta[pushed], found.end])[:, free]
-    kept /= np.maximum(np.linalg.norm(kept, axis=1, keepdims=True), 1e-300)
-    Q, R, _ = qr(kept.T, pivoting=True)
-    sizes = np.abs(np.diagonal(R))
-    rank = int(np.count_nonzero(sizes > _DEPENDENT * max(float(sizes.max(initial=0.0)), 1e-300)))
-    basis = Q[:, rank:]
-    if not basis.shape[1]:
-        return np.inf
-    reduced = basis.T @ found.hessian[np.ix_(free, free)] @ basis
-    return float(eigh(reduced, eigvals_only=True, subset_by_index=[0, 0])[0])
+    free = np.abs(plan.torque_multipliers) <= STRONG * unit_u
+    kept = np.abs(plan.momentum_multipliers[1:]) * h > STRONG * unit_u
+    kept[-1] = True
+    held, left, soft = kept & free, free & ~kept, kept & ~free
+    A, _, C = linearization(plan)
+    H, bent = stage_hessians(plan), 0.5 * transposed(C) @ hats(plan.end_price)
+    moment = float(np.linalg.eigvalsh(plan.inertia)[-1])
+    P, ahead, momenta = np.zeros((6, 6)), np.eye(6), range(3, 6)
+    P[:3, :3] = WEIGHT * 12.0 * moment**2 / (h**4 * N**3) * np.eye(3)
+    for k in range(N - 1, -1, -1):
+        P[momenta, momenta] += np.where(soft[k], WEIGHT / h**2, 0.0)
+        ahead[:3, 3:], ahead[3:, 3:] = C[k], np.where(held[k][:, None], 0.0, A[k])
+        along = P @ ahead
+        pushed, answer = h * along[3:][left[k]], h**2 * P[3:, 3:][np.ix_(left[k], left[k])]
+        P = ahead.T @ along
+        P[3:, 3:] += H[k] + share / h**2 * A[k][held[k]].T @ A[k][held[k]]
+        P[3:, :3] += bent[k]
+        P[:3, 3:] += bent[k].T
+        try:
+            L = np.linalg.cholesky(answer + share * np.eye(len(answer)))
+        except np.linalg.LinAlgError:
+            return False
+        pushed = np.linalg.solve(L, pushed)
+        P -= pushed.T @ pushed
+    return bool(np.isfinite(P).all())
 
 
-def _stage_hessians(plan: Transfer) -> Array:
+def stage_hessians(plan: Transfer) -> Array:
     """Return H (N, 3, 3) of the stages."""
     F, Pi = plan.turns, plan.momenta[:-1]
     _, B, _ = linearization(plan)
