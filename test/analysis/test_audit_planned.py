@@ -27,6 +27,7 @@ from spacecraft_gnc.ocp.transfer.starts import STRAIGHT, make_start
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body import plan_keeper
+from spacecraft_gnc.vehicles.rigid_body.controllers.planned.controller import PlannedController
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
 from spacecraft_gnc.vehicles.rigid_body.transfer import transfer_of
 
@@ -198,3 +199,18 @@ def test_bounds_that_a_flight_exceeds_are_told(bag):
     assert [each.factor for each in found] == pytest.approx([16.0 / 15.0, 71.0 / 70.0])
     assert "16 N m, limit 15 N m" in str(found[0])
     assert audit_bag(bag).exceeded == ()
+
+
+def test_a_controller_that_was_started_anew_is_followed(tmp_path, monkeypatch):
+    """It begins with the first plan, finds itself elsewhere, and plans anew."""
+    command = PlannedController.command
+
+    def restarted(self, state, reference):
+        if state.step == 60:
+            self.reset()
+        return command(self, state, reference)
+
+    monkeypatch.setattr(PlannedController, "command", restarted)
+    audit = audit_bag(fly(tmp_path, planned()))
+    assert audit.passed, audit.first
+    assert lines(audit)["plan of a transfer: its start"].steps == 4
