@@ -195,8 +195,11 @@ def too_short(scenario: Scenario, solution: TransferSolution) -> Problem:
     except ParameterError:
         need, remedy = f"a transfer within the bounds ({least})", "widen them"
     else:
-        need = f"at least {shortest.problem.duration:.6g} s, the shortest found ({least})"
-        remedy = "lengthen it, or widen the bounds"
+        time = f"{shortest.problem.duration:.6g} s"
+        need, remedy = f"at least {time}, the shortest found ({least})", "lengthen it"
+        if shortest.problem.n_steps <= problem.n_steps:
+            need, remedy = f"a time such as {time}, which was found ({least})", "give that"
+        remedy += ", or widen the bounds"
     return Problem(scenario.path, None, key, value, need, remedy)
 
 

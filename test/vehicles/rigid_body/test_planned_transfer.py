@@ -1,5 +1,6 @@
 """The transfer that a scenario plans: its numbers, and one line where there is none."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,14 @@ from spacecraft_gnc.parameters.problems import InvalidScenario
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 from spacecraft_gnc.scenario.recorded import parse_scenario
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
 from spacecraft_gnc.vehicles.rigid_body.transfer import (
     first_plan,
     plan_parameters,
     planned_limits,
     real_limits,
+    too_short,
     transfer_of,
 )
 
@@ -191,3 +194,11 @@ def test_recording_needs_no_file_beside_it():
     assert list(found.named_files()) == []
     assert first_plan(found).converged
     assert fingerprint(found) == fingerprint(named) == fingerprint(scenario())
+
+
+def test_shorter_time_in_which_a_plan_is_found_is_told_too():
+    one = scenario()
+    missed = replace(first_plan(one), status=Status.MAX_ITERATIONS)
+    problem = too_short(one, missed)
+    assert problem.value.startswith("21 s, in which no plan was found from ")
+    assert problem.requirement.startswith("a time such as 19.1 s, which was found (no torque")
