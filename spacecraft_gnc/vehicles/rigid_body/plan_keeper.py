@@ -10,7 +10,7 @@ import numpy as np
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors.planned.guard import BoundGuard
 from spacecraft_gnc.governors.planned.keeper import PlanKeeper
-from spacecraft_gnc.ocp.transfer import TransferSolver
+from spacecraft_gnc.ocp.transfer import TransferSolution, TransferSolver
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 from spacecraft_gnc.vehicles.rigid_body.transfer import (
@@ -37,8 +37,10 @@ def guard_of(scenario: Scenario) -> BoundGuard:
     return BoundGuard(RigidBody(inertia, scenario.period), limits)
 
 
-def keeper_of(scenario: Scenario, guard: BoundGuard) -> PlanKeeper:
-    """Return the keeper of a scenario's plan, with the first plan made.
+def keeper_of(
+    scenario: Scenario, guard: BoundGuard, first: TransferSolution | None = None
+) -> PlanKeeper:
+    """Return the keeper of a scenario's plan, with the ``first`` plan made where it is not given.
 
     Raises
     ------
@@ -47,7 +49,7 @@ def keeper_of(scenario: Scenario, guard: BoundGuard) -> PlanKeeper:
     """
     plan = plan_parameters(scenario)
     return PlanKeeper(
-        first_plan(scenario),
+        first or first_plan(scenario),
         guard,
         scenario.plant.time_step,
         solver=TransferSolver(starts=plan.starts),

@@ -15,6 +15,7 @@ from spacecraft_gnc.recording.steps import flight_topics
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.audit.told_plan import governor_of
 from spacecraft_gnc.vehicles.rigid_body.signals import STATE
 from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans
 
@@ -56,7 +57,7 @@ def audit_decisions(
     if why:
         ledger.skip(_DECISION, why)
         return
-    governor = evidence.scenario.build_governor()
+    governor = governor_of(evidence)
     governor.warm_up()
     _Inquiry(evidence, governor, tolerance).enter(ledger, progress)
 
