@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from flown_bags import edited, first_of, fly, messages_of, rewrite
+from flown_bags import edited, first_of, flipped, fly, messages_of, rewrite
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from planned_bags import INERTIA, KEPT, LEAD, NS, failed, fly_planned, lines, moved, planned
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit import audit_bag
+from spacecraft_gnc.errors import RecordingError
 
 AS_ASKED = "plan of a transfer: as the scenario asks"
 
@@ -41,6 +44,25 @@ def second(messages):
     """Step at which the second plan is taken."""
     _, taken = (stamp // NS for topic, stamp, _ in messages if topic == "/attitude_plan")
     return taken
+
+
+@settings(max_examples=25, deadline=None)
+@given(place=st.floats(0.0, 1.0), bit=st.integers(48, 63))
+def test_no_number_of_a_plan_stops_the_audit(bag, messages, tmp_path_factory, place, bit):
+    """Of any size: what is told is refused, or found, or of no consequence."""
+
+    def change(data):
+        number = 4 + 8 * int(place * ((len(data) - 4) // 8 - 1))
+        return flipped(data, 8 * number + bit)
+
+    changed = [
+        (topic, stamp, change(data) if (topic, stamp) == ("/attitude_plan", 0) else data)
+        for topic, stamp, data in messages
+    ]
+    try:
+        audit_bag(rewrite(bag, tmp_path_factory.mktemp("bits") / "bag", changed))
+    except RecordingError as error:
+        assert "attitude_plan" in str(error)  # noqa: PT017
 
 
 def added(index, by):

@@ -68,9 +68,13 @@ class Believed:
         return np.asarray(np.eye(3) + 2.0 * q0 * Q + 2.0 * Q @ Q)
 
     def kept(self, momenta: Array, torques: Array) -> Array:
-        """Return the torques (m, 3) nearest to some that keep the bounds, those on torque first."""
+        """Return the torques (m, 3) nearest to some that keep the bounds, those on torque first.
+
+        A step that does not exist changes no momentum.
+        """
         low, high, least, most = self.limits
         free, h = times(transposed(self.turns(momenta)), momenta), self.period
+        free = np.where(np.isfinite(free), free, momenta)
         inside = np.clip(torques, (least - free) / h, (most - free) / h)
         return np.clip(inside, low, high)
 

@@ -6,6 +6,7 @@ not asked.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
@@ -18,7 +19,11 @@ from spacecraft_gnc.governors.planned.report import Cause
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.rigid_body.audit.believed import Believed
-from spacecraft_gnc.vehicles.rigid_body.audit.transfer_conditions import Transfer, first_order
+from spacecraft_gnc.vehicles.rigid_body.audit.transfer_conditions import (
+    FirstOrder,
+    Transfer,
+    first_order,
+)
 from spacecraft_gnc.vehicles.rigid_body.audit.transfer_curvature import is_curved
 from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, STATE
 from spacecraft_gnc.vehicles.rigid_body.transfer import (
@@ -233,7 +238,10 @@ class TransferAudit:
     def _certify(self, each: Told) -> None:
         """Certify a plan by (5.6)-(5.8) and by its curvature."""
         plan, told = each.plan, each.told
-        found = first_order(plan)
+        try:
+            found = first_order(plan)
+        except np.linalg.LinAlgError:  # of numbers that are no motion
+            found = FirstOrder(*[math.inf] * len(FirstOrder._fields))
         for name, (part, field, limit) in _CONDITIONS.items():
             self._bound(name, each, field, np.array([getattr(found, part)]), limit)
         name = "plan of a transfer: residual told"
