@@ -56,6 +56,7 @@ class PlannedAudit:
         self.applies = plans(scenario)
         """Whether anything does."""
 
+    @np.errstate(all="ignore")  # numbers of a recording may be of any size
     def audit(self, ledger: Ledger, held: NDArray[np.int64], progress: Progress | None) -> None:
         """Enter the checks of plans, of the steps along them, and of the commands."""
         if not self.applies:
