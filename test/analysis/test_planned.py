@@ -186,6 +186,20 @@ def test_no_plan_found_is_told(flight, scenario):
     assert stretches[-1].end == pytest.approx(25.0)
 
 
+def test_steps_that_were_lost_are_passed_over(replanned, other):
+    plan, phase = replanned.plan.copy(), replanned.plan_phase.copy()
+    lost = slice(plan.argmax() - 3, plan.argmax() + 3)
+    plan[lost], phase[lost], plan[-5:-2], phase[-5:-2] = -1, -1, -1, -1
+    gaps = replace(replanned, plan=plan, plan_phase=phase)
+    assert len(plan_series.plan_marks(gaps)) == len(plan_series.plan_marks(replanned))
+    told, whole = summarize(gaps, other), summarize(replanned, other)
+    for key in ("replans", "plan_end_time", "max_plan_error_deg"):
+        assert told[key] == whole[key]
+    names = {s.source for s in plan_series.phase_stretches(gaps, series.state_times(gaps))}
+    assert -1 in names
+    assert plan_series.phase_name(-1) == "no plan"
+
+
 def test_the_figures_show_plan_and_bounds(replanned, other):
     makers = flight_makers(replanned, other)
     torque, momentum, error = makers["plan"]().axes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
@@ -133,11 +134,12 @@ def drawn_error_deg(flight: Flight) -> Array:
 def plan_marks(flight: Flight) -> list[Mark]:
     """Return when another plan was taken, when none was found, and when a plan ended."""
     found = []
-    for k in range(1, flight.n_steps):
+    known = np.flatnonzero(flight.plan >= 0).tolist()
+    for before, k in pairwise(known):
         time, phase = float(flight.time[k]), int(flight.plan_phase[k])
-        if 0 <= flight.plan[k - 1] < flight.plan[k]:
+        if flight.plan[k] != flight.plan[before]:
             found.append(Mark(time, f"plan {flight.plan[k]}", style.INK))
-        if phase != flight.plan_phase[k - 1] and phase in _MARKED:
+        if phase != flight.plan_phase[before] and phase in _MARKED:
             found.append(Mark(time, *_MARKED[phase]))
     return found
 

@@ -41,7 +41,7 @@ def plan_metrics(flight: Flight, scenario: Scenario | None) -> dict[str, Any]:
     off = np.linalg.norm(flight.momentum - flight.plan_momentum, axis=1)
     numbers = flight.plan[flight.plan >= 0]
     return {
-        "replans": len(np.unique(numbers)) - 1,
+        "replans": int(np.count_nonzero(np.diff(numbers))),
         "plan_not_found_steps": int(np.count_nonzero(flight.plan_phase == Phase.NOT_FOUND)),
         "plan_end_time": _end_time(flight),
         "plan_cost": _cost(flight.plan_torque),
