@@ -29,7 +29,8 @@ from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body import plan_keeper
 from spacecraft_gnc.vehicles.rigid_body.controllers.planned.controller import PlannedController
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
-from spacecraft_gnc.vehicles.rigid_body.transfer import transfer_of
+from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
+from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan, transfer_of
 
 STEPS = 120
 
@@ -214,3 +215,15 @@ def test_a_controller_that_was_started_anew_is_followed(tmp_path, monkeypatch):
     audit = audit_bag(fly(tmp_path, planned()))
     assert audit.passed, audit.first
     assert lines(audit)["plan of a transfer: its start"].steps == 4
+
+
+def test_a_plan_of_a_file_is_certified_without_the_file(tmp_path):
+    file = tmp_path / "plan.npz"
+    scenario = from_sections(governed())
+    save_plan(file, first_plan(scenario))
+    bag = fly(tmp_path, governed({"file": str(file)}, plant={"duration": 3.0}))
+    file.unlink()
+    audit = audit_bag(bag)
+    assert audit.passed, audit.first
+    assert lines(audit)["decision of the governor"].verdict == "pass"
+    assert lines(audit)["plan of a transfer: its start"].verdict == "pass"
