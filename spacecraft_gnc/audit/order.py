@@ -43,7 +43,7 @@ def audit_each_step(
     """Check that a topic has a message of each step, but of those ``held``."""
     columns, name = evidence.columns[topic], f"steps of {topic}"
     last = evidence.n if topic in evidence.topics.leading else evidence.n - 1
-    if not columns.steps.size and not _is_expected(evidence, topic):
+    if not columns.steps.size and not is_expected(evidence, topic):
         ledger.skip(name, "the scenario has it not recorded")
         return
     required = np.arange(last + 1)
@@ -60,7 +60,8 @@ def audit_each_step(
         ledger.check(name, _EACH, f"{columns.repeats} sent again with the same bytes")
 
 
-def _is_expected(evidence: Evidence, topic: Signal) -> bool:
+def is_expected(evidence: Evidence, topic: Signal) -> bool:
+    """Tell whether the scenario has a topic recorded."""
     wanted = {name.strip("/") for name in evidence.scenario.recorder.topics}
     prefix = f"{(evidence.namespace or '').strip('/')}/"  # of one agent, or without it of all
     nodes = {name.removeprefix(prefix) for name in evidence.scenario.launcher.nodes}

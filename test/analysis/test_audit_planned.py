@@ -163,6 +163,19 @@ class _Late:
         return self._found
 
 
+def test_a_governor_whose_plans_were_not_told_whole(governed_bag, tmp_path):
+    """It plans once more itself, as it flew."""
+    left = [item for item in messages_of(governed_bag) if item[0] != "/attitude_plan"]
+    audit = audit_bag(rewrite(governed_bag, tmp_path / "none", left))
+    assert failed(audit) == {"plans of transfers, whole"}
+    assert lines(audit)["decision of the governor"].verdict == "pass"
+    short = edited("AttitudePlan", momenta=lambda momenta: momenta[:-3])
+    cut = [(topic, stamp, short(data) if topic == "/attitude_plan" and stamp == 0 else data)
+           for topic, stamp, data in messages_of(governed_bag)]  # fmt: skip
+    audit = audit_bag(rewrite(governed_bag, tmp_path / "short", cut))
+    assert {"plans of transfers, whole", "plan of each step told"} <= failed(audit)
+
+
 def test_a_reference_off_the_plan_is_found(governed_bag, tmp_path):
     change = edited("AttitudeReference", torque=moved(1e-9, 0, 0))
     changed = [

@@ -209,8 +209,8 @@ def without(topic, bag, messages, folder):
 
 
 def test_what_was_not_recorded_is_not_certified(bag, messages, tmp_path):
-    found = lines(without("attitude_plan", bag, messages, tmp_path))
-    assert "no plan is certified" in found["plans of transfers, whole"].note
+    audit = without("attitude_plan", bag, messages, tmp_path)
+    assert failed(audit) == {"plans of transfers, whole"}
     audit = without("plan_status", bag, messages, tmp_path)
     assert failed(audit) == {"steps of plan_status"}
     assert "what was tracked is not known" in lines(audit)["plans of the solver"].note
@@ -219,6 +219,16 @@ def test_what_was_not_recorded_is_not_certified(bag, messages, tmp_path):
     start = lines(audit)["plan of a transfer: its start"]
     assert (start.steps, start.verdict) == (1, "pass")
     assert "was not recorded: not foreseen" in start.note
+
+
+def test_a_scenario_that_does_not_record_plans_has_none_certified(tmp_path):
+    topics = ["attitude_state", "torque_command", "plant_invariants"]
+    flown = planned() | {"recorder": {"topics": topics}}
+    bag = fly(tmp_path, flown)
+    left = [item for item in messages_of(bag) if item[0][1:] in topics]
+    audit = audit_bag(rewrite(bag, tmp_path / "few", left))
+    assert audit.passed, audit.first
+    assert "no plan is certified" in lines(audit)["plans of transfers, whole"].note
 
 
 HEAVIER = [801.0, *INERTIA[1:]]

@@ -59,7 +59,8 @@ def audit_decisions(
         return
     governor = governor_of(evidence)
     governor.warm_up()
-    _Inquiry(evidence, governor, tolerance).enter(ledger, progress)
+    with np.errstate(all="ignore"):  # numbers of a recording may be of any size
+        _Inquiry(evidence, governor, tolerance).enter(ledger, progress)
 
 
 def _not_asked(evidence: Evidence) -> str:

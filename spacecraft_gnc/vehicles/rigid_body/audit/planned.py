@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Evidence, Progress
 from spacecraft_gnc.audit.ledger import Ledger
-from spacecraft_gnc.audit.order import audit_each_step, stamps_of
+from spacecraft_gnc.audit.order import audit_each_step, is_expected, stamps_of
 from spacecraft_gnc.governors.planned.report import Cause
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, REFERENCE
@@ -68,7 +68,9 @@ class PlannedAudit:
         expected = stamps_of(status.steps, evidence.scenario.period)
         ledger.compare("time stamps", status.steps, stamps, dict.fromkeys(stamps, expected))
         targets = self._targets()
-        if not evidence.columns[ATTITUDE_PLAN].steps.size:
+        if evidence.columns[ATTITUDE_PLAN].steps.size == 0 and is_expected(evidence, ATTITUDE_PLAN):
+            ledger.fail(WHOLE, "one at least", 0, f"{ATTITUDE_PLAN} (missing)")
+        elif not evidence.columns[ATTITUDE_PLAN].steps.size:
             ledger.skip(WHOLE, "attitude_plan was not recorded: no plan is certified")
         else:
             told = read_told(evidence, ledger)
