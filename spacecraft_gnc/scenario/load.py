@@ -84,7 +84,7 @@ def load_nodes(
         vehicle = vehicle_given(plant, file)
     given = given_to(sections, nodes, problems, vehicle)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
-    lay_over(given, laid_over)
+    lay_over(given, _found_from_here(vehicle, laid_over))
     warnings = [*warnings, *_leave_out_unread(vehicle, given, file)]
     return _scenario(vehicle, given, file, problems, warnings)
 
@@ -195,8 +195,8 @@ def revise(
         unread = tuple(unread_by(scenario.vehicle, str(chosen.value), changed))
     for name in unread:
         del given[_CONTROLLER][name]
-    lay_over(given, laid_over)
-    vehicle = vehicle_given(given.get("plant", {}), scenario.path)
+    vehicle = vehicle_given({**given.get("plant", {}), **laid_over.get("plant", {})}, scenario.path)
+    lay_over(given, _found_from_here(vehicle, laid_over))
     revised = _scenario(vehicle, given, scenario.path, problems, stated=scenario.defaults)
     return revised, unread
 
@@ -205,6 +205,18 @@ def lay_over(given: Given, entries: Given) -> None:
     """Have values replace those of the same name."""
     for section, values in entries.items():
         given.setdefault(section, {}).update(values)
+
+
+def _found_from_here(vehicle: Vehicle, laid_over: Given) -> Given:
+    """Return values with whole paths of files: those laid over are relative to this folder."""
+    schema, found = schema_of(vehicle), {}
+    for section, values in laid_over.items():
+        found[section] = dict(values)
+        for name, entry in values.items():
+            spec = schema.spec_of(section, name, entry.value)
+            if entry.value and spec is not None and spec.is_file:
+                found[section][name] = entry._replace(value=str(Path(str(entry.value)).absolute()))
+    return found
 
 
 def _given_along_a_flight(scenario: Scenario) -> Given:
@@ -244,7 +256,7 @@ def _leave_out_unread(vehicle: Vehicle, given: Given, file: str) -> list[str]:
     names = list(unread_by(vehicle, str(method.value), written))
     for name in names:
         del controller[name]
-    listed = ", ".join(names)
+    listed = ", ".join(f"{_CONTROLLER}.{name}" for name in names)
     return [f"{file}: not read by method {method.value}: {listed}"] if names else []
 
 

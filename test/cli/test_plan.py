@@ -355,3 +355,39 @@ def test_file_holds_the_scenario_with_what_was_laid_over_it(
     found = load_plan(stored)
     assert "duration: 20.0" in found.scenario
     assert math.isclose(found.solution.problem.duration, 20.0)
+
+
+def test_plan_is_flown_from_the_current_folder(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "runs").mkdir()
+    monkeypatch.chdir(tmp_path)
+    short = changed("plant.duration=1.0")
+    assert run(capsys, "plan", FIGURE_4, "--out", "runs/plan.npz", "-q") == (0, "", "")
+    flown = changed(f"{PLAN}.file=runs/plan.npz")
+    assert run(capsys, "simulate", FIGURE_4, "-o", "flight.npz", "-q", *short, *flown)[0] == 0
+    with np.load("runs/plan.npz") as plan, np.load("flight.npz") as flight:
+        assert np.allclose(flight["torque"], plan["torque"][:10], atol=1e-9)
+    # what comes of the flight needs the file no more
+    assert run(capsys, "replay", "flight.npz", "-q") == (0, "", "")
+    code, _, err = run(capsys, "simulate", FIGURE_4, *changed(f"{PLAN}.file=plan.npz"))
+    assert code == 2
+    assert f"{PLAN}.file: received '{tmp_path / 'plan.npz'}', a file that cannot be read" in err
+    # a path in a file is relative to that
+    beside = tmp_path / "runs" / "beside.yaml"
+    text = Path(load(FIGURE_4).path).read_text(encoding="utf-8")
+    beside.write_text(text.replace("    plan:\n", "    plan:\n      file: plan.npz\n"))
+    assert run(capsys, "simulate", beside, "-o", "second.npz", "-q", *short)[0] == 0
+
+
+def test_flight_in_place_of_a_plan_is_not_to_be_overwritten(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    flight = tmp_path / "flight.npz"
+    short = changed("plant.duration=1.0")
+    assert run(capsys, "simulate", FIGURE_4, "-o", flight, "-q", *short)[0] == 0
+    code, _, err = run(capsys, "simulate", FIGURE_4, *changed(f"{PLAN}.file={flight}"))
+    assert code == 2
+    assert f"received '{flight}', a file that is no plan of gnc plan; required" in err
+    assert err.count(str(flight)) == err.count("received") == 1
+    assert err.rstrip().endswith("--out ANOTHER.npz")

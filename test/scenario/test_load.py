@@ -331,7 +331,7 @@ def test_a_method_that_is_laid_over_leaves_out_what_it_does_not_read() -> None:
     """The file's weights are another method's; one line says which are not read."""
     scenario = load(CASE_1, ["nmpc_controller.method=feedback"])
     (warning,) = scenario.warnings
-    assert warning.startswith(f"{CASE_1}: not read by method feedback: horizon, weights.stage_att")
+    assert warning.startswith(f"{CASE_1}: not read by method feedback: nmpc_controller.horizon, ")
     assert warning.endswith("torque_penalty")
     assert "horizon" not in scenario.sections["nmpc_controller"]
     assert from_sections(scenario.values).values == scenario.values

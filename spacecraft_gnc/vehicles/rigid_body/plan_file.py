@@ -22,6 +22,7 @@ from spacecraft_gnc.ocp.transfer.solution import Tried
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, read_only
 
+_KIND: Final = "plan_of"  # the array that no flight has
 _VEHICLE: Final = "rigid_body"
 _TOLERANCE: Final = 1e-8  # of the conditions, as of `TransferSolver`
 _SAME: Final = 1e-9  # relative difference of numbers, and angle between attitudes, that is none
@@ -52,7 +53,7 @@ def save_plan(
     """
     problem, target = solution.problem, Path(path)
     arrays: dict[str, Any] = {
-        "plan_of": np.array(_VEHICLE),
+        _KIND: np.array(_VEHICLE),
         "torque": solution.torque,
         "momentum": solution.momentum,
         "attitude": solution.attitude,
@@ -88,21 +89,30 @@ def load_plan(path: str | Path) -> StoredPlan:
     RecordingError
         If it is missing, damaged, no such file, or its numbers are no optimal plan.
     """
+    need = "a .npz file written by `gnc plan --out`"
     try:
         found = _members(Path(path))
         solution = _solution(found)
     except UNREADABLE as error:
-        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise RecordingError(
-            f"{path}: cannot be read as a plan ({reason}); required a .npz file written by "
-            "`gnc plan --out`; plan again"
+            f"{path}: received {_unreadable(error)}; required {need}; plan again"
         ) from error
     if not solution.residuals.largest <= _TOLERANCE:
+        off = f"{solution.residuals.largest:.3g} instead of {_TOLERANCE:g} at most"
         raise RecordingError(
-            f"{path}: received a plan that violates its conditions by "
-            f"{solution.residuals.largest:.3g}; required at most {_TOLERANCE:g}; plan again"
+            f"{path}: received a plan that violates its conditions by {off}; required {need}; "
+            "plan again"
         )
     return StoredPlan(solution, str(found["scenario"]), str(found["scenario_defaults"]))
+
+
+def _unreadable(error: Exception) -> str:
+    """Return in words what is read in place of a plan."""
+    if isinstance(error, KeyError):
+        (name,) = error.args
+        return "a file that is no plan of gnc plan" if name == _KIND else f"a plan without {name}"
+    reason = getattr(error, "strerror", None) or " ".join(str(error).split())
+    return f"a file that cannot be read as a plan ({reason})"
 
 
 def difference(stored: AttitudeTransfer, wanted: AttitudeTransfer) -> str:
@@ -157,8 +167,8 @@ def _members(path: Path) -> dict[str, Any]:
             with members.open(name) as member:
                 key = name.removesuffix(".npy")
                 found[key] = np.lib.format.read_array(member, allow_pickle=False)
-    if str(found["plan_of"]) != _VEHICLE:
-        raise ValueError(f"of vehicle {found['plan_of']}, not {_VEHICLE}")
+    if str(found[_KIND]) != _VEHICLE:
+        raise ValueError(f"of vehicle {found[_KIND]}, not {_VEHICLE}")
     return found
 
 

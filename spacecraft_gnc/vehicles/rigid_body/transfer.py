@@ -204,19 +204,21 @@ def too_short(scenario: Scenario, solution: TransferSolution) -> Problem:
 
 
 def _stored(scenario: Scenario, problem: AttitudeTransfer, name: str) -> TransferSolution:
-    """Return the plan of a file, beside the scenario's."""
+    """Return the plan of a file; its path in a scenario's file is relative to that."""
     from spacecraft_gnc.vehicles.rigid_body.plan_file import difference, load_plan
 
-    path = Path(scenario.path).parent / name
+    path = (Path(scenario.path).parent / name).absolute()
     try:
         found = load_plan(path).solution
         differing = difference(found.problem, problem)
+        value = f"a plan of {differing}"
     except RecordingError as error:
-        differing = str(error).removeprefix(f"{path}: ").partition("; required")[0]
+        differing = str(error)
+        value = differing.removeprefix(f"{path}: received ").partition("; required")[0]
     if differing:
         need = "a plan of this scenario's transfer"
-        remedy = f"write it: gnc plan {scenario.path} --out {path}"
-        raise _refused(scenario, "plan.file", f"{name!r} ({differing})", need, remedy)
+        remedy = f"write one, with the same --set: gnc plan {scenario.path} --out ANOTHER.npz"
+        raise _refused(scenario, "plan.file", f"'{path}', {value}", need, remedy)
     return found
 
 

@@ -70,7 +70,8 @@ def test_file_does_not_depend_on_how_long_the_solve_took(stored, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"plan_of": None}, "plan_of"),
+        ({"plan_of": None}, "received a file that is no plan of gnc plan;"),
+        ({"zeta": None}, "received a plan without zeta;"),
         ({"plan_of": np.array("two_wheel")}, "of vehicle two_wheel, not rigid_body"),
         ({"momentum": np.zeros((190, 3))}, "momentum of shape (190, 3), or not finite"),
         ({"torque": np.full((190, 3), math.nan)}, "torque of shape (190, 3), or not finite"),
@@ -84,7 +85,7 @@ def test_what_is_no_plan_is_refused_in_one_line(stored, changes, reason):
     with pytest.raises(RecordingError) as refused:
         load_plan(rewritten(stored, **changes))
     text = str(refused.value)
-    assert text.startswith(f"{stored}: cannot be read as a plan (")
+    assert text.startswith(f"{stored}: received a ")
     assert reason in text
     assert text.endswith("; required a .npz file written by `gnc plan --out`; plan again")
     assert "\n" not in text

@@ -150,14 +150,17 @@ def test_first_plan_is_found_or_read_from_the_file(tmp_path):
 @pytest.mark.parametrize(
     ("changes", "reason"),
     [
-        ({"plan": {"file": "none.npz"}}, "'none.npz' (cannot be read as a plan (No such file"),
+        (
+            {"plan": {"file": "none.npz"}},
+            f"received '{Path('none.npz').absolute()}', a file that cannot be read as a plan (No ",
+        ),
         (
             {"plan": {"duration": 22.0}},
-            "(duration 21 s, not 22); required a plan of this scenario's transfer; write it: gnc p",
+            "a plan of duration 21 s, not 22; required a plan of this scenario's transfer; write ",
         ),
         (
             {"plant": {"inertia": (1.01 * BODY).ravel().tolist()}},
-            "(inertia diag(800, 1200, 1000) kg m^2, not diag(808, 1212, 1010))",
+            "a plan of inertia diag(800, 1200, 1000) kg m^2, not diag(808, 1212, 1010); ",
         ),
     ],
 )
@@ -169,6 +172,9 @@ def test_plan_file_of_another_transfer_is_refused_in_one_line(tmp_path, changes,
     assert "nmpc_controller.plan.file: received " in str(refused.value)
     assert reason in str(refused.value)
     assert "\n" not in str(refused.value)
+    assert str(refused.value).count("received") == 1
+    assert "write one, with the same --set: gnc plan " in str(refused.value)
+    assert str(refused.value).endswith(" --out ANOTHER.npz")
 
 
 @pytest.mark.parametrize(

@@ -88,8 +88,8 @@ class PlanParameters:
     file: str = parameter(
         Kind.STRING,
         "",
-        "planned: plan of `gnc plan --out` that is flown first, relative to the scenario's file; "
-        "empty: it is found before the flight",
+        "planned: plan of `gnc plan --out` that is flown first, relative to the scenario's file, "
+        "or by --set to the current folder; empty: it is found before the flight",
         is_file=True,
         is_neutral=True,
     )
