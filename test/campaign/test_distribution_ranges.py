@@ -170,6 +170,20 @@ def test_a_flat_body_has_no_inertia_to_vary():
     assert "a smallest second moment" in problems[0]
 
 
+def test_an_inertia_varies_about_a_matrix_of_its_own():
+    text = "{{distribution: inertia, factor: 0.1, about: {}}}"
+    about = [2.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 4.0]
+    distribution, problems = read(text.format(about), INERTIA, tuple(np.eye(3).ravel()))
+    assert problems == []
+    np.testing.assert_allclose(distribution.value(np.full(3, 0.5)), about, atol=1e-15)
+    low = np.reshape(distribution.value(np.zeros(3)), (3, 3))
+    np.testing.assert_allclose(low, 0.9 * np.diag([2.0, 3.0, 4.0]), atol=1e-15)
+    for wrong in ([1.0, 2.0], [-value for value in about], "one"):
+        _, problems = read(text.format(wrong), INERTIA, tuple(np.eye(3).ravel()))
+        assert len(problems) == 1
+        assert "plant.x.about" in problems[0]
+
+
 def test_nothing_to_vary_of_an_inertia_is_refused():
     _, problems = read("{distribution: inertia}", INERTIA, tuple(np.eye(3).ravel()))
     assert "one of them > 0" in problems[0]

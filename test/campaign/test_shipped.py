@@ -22,7 +22,7 @@ SHORT = {"plant.duration": 10.0, "launcher.cut_short": True}
 def test_there_are_some() -> None:
     names = {path.stem for path in SHIPPED}
     assert names >= {"gupta2015_case1", "gupta2015_case2", "governed_nmpc", "kalabic2014_governor"}
-    assert names >= {"afrl_two_wheel", "afrl_two_wheel_1rad"}
+    assert names >= {"afrl_two_wheel", "afrl_two_wheel_1rad", "phogat_figure4_disturbed"}
 
 
 def scenario_of(campaign: str) -> str:

@@ -81,19 +81,23 @@ class Inertia:
 
 
 def read_inertia(options: Options, target: Target) -> Inertia:
-    """Return inertias within ``factor`` of the scenario's, axes turned by up to ``axes_deg``."""
+    """Return inertias within ``factor`` of ``about``, axes turned by up to ``axes_deg``.
+
+    ``about`` is the scenario's where it is not given.
+    """
     factor, angle = options.value("factor", _FACTOR), options.value("axes_deg", _ANGLE)
+    about = options.value("about", target.spec) if options.has("about") else target.nominal
     nominal = np.eye(3)
     if target.spec.matrix is not MatrixRule.INERTIA:
         need = "a parameter that takes an inertia matrix"
         options.complain(
             "distribution", f"an inertia for {target.name}", need, "choose another one"
         )
-    elif not target.nominal:
+    elif not about:
         need = f"{target.name} in the scenario, to vary about it"
         options.complain("distribution", "nothing", need, "add it there")
-    else:
-        nominal = np.reshape(np.array(target.nominal, dtype=np.float64), (3, 3))
+    elif options.is_valid:
+        nominal = np.reshape(np.array(about, dtype=np.float64), (3, 3))
     if factor == 0.0 and angle == 0.0:
         options.complain("factor", "0.0, without axes_deg", "one of them > 0", "choose constant")
     if not options.is_valid:
