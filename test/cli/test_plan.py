@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -219,6 +220,25 @@ def test_bad_input_is_one_line(name: str, capsys: pytest.CaptureFixture[str]) ->
     assert line.startswith("error: ")
     assert expected in line
     assert "Traceback" not in err
+
+
+def test_what_makes_a_scenario_plan_is_told_and_works(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "plan", "gupta2015_case1")
+    assert code == 2
+    told = shlex.split(err.partition("; add ")[2].partition(", or other bounds")[0])
+    assert told[::2] == ["--set"] * 4
+    assert "nmpc_controller.plan.torque_bounds=[0.01]" in told
+    code, out, _ = run(capsys, "plan", "gupta2015_case1", *told, "--json")
+    planned = json.loads(out)
+    assert (code, planned["status"], planned["duration"]) == (0, "converged", 150.0)
+    assert planned["torque_bounds"] == [[-0.01] * 3, [0.01] * 3]
+    assert run(capsys, "check", "gupta2015_case1", *told, "-q")[0] == 0
+
+
+def test_scenario_with_zones_is_to_be_written_anew(capsys: pytest.CaptureFixture[str]) -> None:
+    code, _, err = run(capsys, "plan", "gupta2015_case2")
+    assert (code, len(err.splitlines())) == (2, 1)
+    assert "write a file like that of phogat_figure4: method: planned, plan.duration, " in err
 
 
 def test_vehicle_that_plans_nothing_says_so(capsys: pytest.CaptureFixture[str]) -> None:

@@ -53,8 +53,7 @@ def planning_section(scenario: Scenario) -> str:
         return _GOVERNOR
     value = f"{scenario.method.name}, with governor {scenario.law.name}: neither plans a transfer"
     need, key = "method: planned, or governor: planned", f"{_CONTROLLER}.method"
-    remedy = f"add --set {key}=planned, with plan.torque_bounds and plan.momentum_bounds"
-    raise InvalidScenario([Problem(scenario.path, None, key, value, need, remedy)])
+    raise InvalidScenario([Problem(scenario.path, None, key, value, need, _how_to_plan(scenario))])
 
 
 def plan_parameters(scenario: Scenario) -> PlanParameters:
@@ -220,6 +219,21 @@ def _stored(scenario: Scenario, problem: AttitudeTransfer, name: str) -> Transfe
         remedy = f"write one, with the same --set: gnc plan {scenario.path} --out ANOTHER.npz"
         raise _refused(scenario, "plan.file", f"'{path}', {value}", need, remedy)
     return found
+
+
+def _how_to_plan(scenario: Scenario) -> str:
+    """Return what makes a scenario plan: all of it, as far as that can be laid over a file."""
+    if scenario.law.name != "none" or scenario.values[_CONTROLLER].get("zone_names"):
+        return (
+            "write a file like that of phogat_figure4: method: planned, plan.duration, bounds of "
+            "the plan in place of max_torque, governor: none, no zones"
+        )
+    most, period = scenario.controller.max_torque, scenario.period
+    values = {"method": "planned", "plan.duration": f"{scenario.n_steps * period:.12g}"}
+    if most > 0.0:
+        values |= {"max_torque": "0.0", "plan.torque_bounds": f"[{most!r}]"}
+    words = " ".join(f"--set '{_CONTROLLER}.{name}={value}'" for name, value in values.items())
+    return f"add {words}, or other bounds, also plan.momentum_bounds, and another duration"
 
 
 _KEYS: Final = {
