@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
-from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.errors import ParameterError, RecordingError
 from spacecraft_gnc.loop.flight import UNREADABLE
 
 _VEHICLE: Final = "plan_of.npy"
@@ -29,8 +30,27 @@ def refuse_plan(path: Path) -> None:
     """
     if is_plan(path):
         raise RecordingError(
-            f"{path}: received a plan; required a flight, which has commands and states; fly it "
-            "(nmpc_controller.plan.file), or see it with gnc report or gnc plot"
+            f"{path}: received a plan of gnc plan; required a flight, which has commands and "
+            "states; gnc report shows the plan and checks its conditions, gnc plot draws it, "
+            f"gnc simulate SCENARIO.yaml --set nmpc_controller.plan.file={path} flies it"
+        )
+
+
+def require_one_kind(paths: Iterable[Path]) -> None:
+    """Refuse plans beside flights, before any is read.
+
+    Raises
+    ------
+    ParameterError
+        If there are both.
+    """
+    paths = list(paths)
+    plans = [str(path) for path in paths if is_plan(path)]
+    if 0 < len(plans) < len(paths):
+        flights = ", ".join(str(path) for path in paths if str(path) not in plans)
+        raise ParameterError(
+            f"{', '.join(plans)}: received a plan of gnc plan beside flights ({flights}); required "
+            "plans alone or flights alone; call twice: a flight is shown beside the plan it flew"
         )
 
 

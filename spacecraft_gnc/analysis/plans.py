@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from spacecraft_gnc.analysis.flown import Flown
-from spacecraft_gnc.analysis.plan_file import vehicle_in
+from spacecraft_gnc.analysis.plan_file import require_one_kind, vehicle_in
 from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.analysis.vehicle import common_part, part_of
-from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.scenario.recorded import parse_scenario
 from spacecraft_gnc.vehicles.registry import vehicle_of
 
@@ -70,14 +69,5 @@ def _part(runs: Sequence[Flown], name: str) -> Any:
     scenarios = [run.scenario for run in runs]
     if not any(run.info.is_plan for run in runs):
         return common_part(name, scenarios)
-    _require_plans(runs)
+    require_one_kind(run.info.path for run in runs)
     return getattr(common_part("planner", scenarios), name)
-
-
-def _require_plans(runs: Iterable[Flown]) -> None:
-    flights = [run.name for run in runs if not run.info.is_plan]
-    if flights:
-        raise ParameterError(
-            f"runs: received plans beside flights ({', '.join(flights)}); required one or the "
-            "other; give them one kind at a time"
-        )

@@ -77,7 +77,9 @@ def audit(
         )
     from spacecraft_gnc.analysis.agents import agents
     from spacecraft_gnc.analysis.audit import audit_bag
+    from spacecraft_gnc.analysis.plan_file import refuse_plan
 
+    refuse_plan(bag)
     names = agents(bag, namespace, allow_unfinished=unfinished)
     intended = [None if scenario is None else _intended(scenario, name) for name in names]
     with show_progress("auditing", silent=quiet) as update:

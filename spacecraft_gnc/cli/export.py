@@ -72,8 +72,10 @@ def export(
     CSV comes with a second file, FILE.columns.csv, that holds the units.
     """
     from spacecraft_gnc.analysis.export import read_export, write_export
+    from spacecraft_gnc.analysis.plan_file import refuse_plan
     from spacecraft_gnc.analysis.run_names import run_name
 
+    refuse_plan(bag)
     target = out if out is not None else Path(f"{run_name(bag)}.{kind.value}")
     _require_free(target, kind.value, force)
     with show_progress("reading", silent=quiet) as progress:

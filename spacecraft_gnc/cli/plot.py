@@ -122,12 +122,14 @@ def plot(
     quiet: QuietOption = False,
 ) -> None:
     """Draw the figures of a flight or plan for print, or of several over each other."""
+    from spacecraft_gnc.analysis.plan_file import require_one_kind
     from spacecraft_gnc.analysis.plans import figures_part
     from spacecraft_gnc.analysis.run_info import UNKNOWN_SCENARIO
     from spacecraft_gnc.analysis.run_names import run_names
 
     given = given_scenario(scenario, namespace)
     require_folder(out)
+    require_one_kind(sources)
     if animate is not None:
         require_writable(animate, ".gif", "--animate")
         _require_alone(out, only)

@@ -137,7 +137,10 @@ def replay(
         "--out": out,
         "--namespace": namespace,
     }
+    from spacecraft_gnc.analysis.plan_file import refuse_plan
+
     _refuse(of_solver if publish else of_player, publish)
+    refuse_plan(source)
     if publish:
         play(
             Playing(

@@ -62,11 +62,13 @@ def report(
     A bag of several spacecraft is shown as several runs, unless --namespace names one.
     """
     from spacecraft_gnc.analysis.agents import agents
+    from spacecraft_gnc.analysis.plan_file import require_one_kind
     from spacecraft_gnc.analysis.report import read_run, report_html
     from spacecraft_gnc.analysis.run_names import run_names
     from spacecraft_gnc.drawing.page import write_page
 
     require_writable(out, ".html")
+    require_one_kind(sources)
     known = given_scenario(scenario, namespace)
     runs: list[Run] = []
     with show_progress("reading", silent=quiet) as progress:

@@ -24,7 +24,7 @@ from spacecraft_gnc.signals.graph import GOVERNOR
 from spacecraft_gnc.signals.members import Seams
 
 _NEVER = -1
-_ACTIVATE = "required an active one; try again later"
+_INACTIVE = "is not active yet, as the graph starts; required an active one; try again in a moment"
 
 
 class _Received(NamedTuple):
@@ -177,7 +177,7 @@ class GovernorNode(GncNode):
 
     def _set_target(self, target: Any, answer: Answer) -> None:
         if not self.active:
-            answer(LaunchError(f"target: received by an inactive {self.ROLE}; {_ACTIVATE}"))
+            answer(LaunchError(f"target: received while the {self.ROLE} {_INACTIVE}"))
             return
         self._ask(_Job(partial(self._refusal, target), answer))
 

@@ -223,7 +223,7 @@ def _stored(scenario: Scenario, problem: AttitudeTransfer, name: str) -> Transfe
 
 def _how_to_plan(scenario: Scenario) -> str:
     """Return what makes a scenario plan: all of it, as far as that can be laid over a file."""
-    if scenario.law.name != "none" or scenario.values[_CONTROLLER].get("zone_names"):
+    if scenario.law.name != "none" or scenario.controller.zone_names:
         return (
             "write a file like that of phogat_figure4: method: planned, plan.duration, bounds of "
             "the plan in place of max_torque, governor: none, no zones"
