@@ -56,7 +56,10 @@ def test_figure_4_in_words(capsys: pytest.CaptureFixture[str]) -> None:
     assert rows["transfer"] == "90 deg in 19 s, 190 control steps of 0.1 s"
     assert rows["torque bounds"] == "+-20 N m"
     assert rows["status"] == "converged"
-    assert rows["cost"].startswith("20965.95496 N^2 m^2")
+    assert rows["cost"] == "20965.95496 N^2 m^2, sum of |u|^2 / 2 over the steps"
+    assert "2096.595496 N^2 m^2 s, the integral: cost times 0.1 s" in out
+    assert rows["largest torque"] == "x 16.6262, y 20, z 20 N m"
+    assert rows["second order"] == "least eigenvalue of the reduced Hessian: 0.895 or more"
     assert "momentum y = 70 N m s, steps 70 to 132 (7 to 13.2 s)" in out
     assert "torque y = -20 N m, steps 179 to 189 (17.9 to 19 s)" in out
     assert "eigenaxis: converged, cost 20965.95496" in out
@@ -70,6 +73,7 @@ def test_figure_4_in_numbers(capsys: pytest.CaptureFixture[str]) -> None:
     assert told["status"] == "converged"
     assert told["cost"] == pytest.approx(REFERENCE, abs=1e-5)
     assert told["residual"] < 1e-8
+    assert told["cost_integral"] == pytest.approx(0.1 * REFERENCE, abs=1e-6)
     assert (told["steps"], told["period"], told["duration"]) == (190, 0.1, 19.0)
     assert told["iterations"] > 0
     found = {
@@ -139,7 +143,8 @@ def test_reserve_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "plan", FIGURE_4, *reserve)
     assert code == 0
     rows = {line[2:20].strip(): line[20:] for line in out.splitlines()}
-    assert rows["torque bounds"] == "+-19 N m, less by the reserve of 5 %"
+    assert rows["torque bounds"] == "+-19 N m"
+    assert "(already less the reserve of 5 %)" in out
     assert rows["momentum bounds"] == "none"
     told = json.loads(run(capsys, "plan", FIGURE_4, "--json", *reserve)[1])
     assert told["reserves"] == [0.05, 0.0]
@@ -330,7 +335,14 @@ def test_plot_draws_control_momentum_and_co_states(
 
 @pytest.mark.parametrize(
     "words",
-    [("view",), ("replay", "--method", "shooting"), ("plot", "--animate", "x.gif")],
+    [
+        ("view",),
+        ("audit",),
+        ("replay",),
+        ("replay", "--method", "shooting"),
+        ("replay", "--publish"),
+        ("export", "--format", "csv"),
+    ],
     ids=" ".join,
 )
 def test_what_needs_a_flight_refuses_a_plan_in_one_line(
@@ -339,6 +351,13 @@ def test_what_needs_a_flight_refuses_a_plan_in_one_line(
     code, out, err = run(capsys, words[0], stored, *words[1:])
     assert (code, out) == (2, "")
     assert len(err.splitlines()) == 1
+    assert err.startswith(f"error: {stored}: received a plan of gnc plan; required a flight, ")
+    assert "gnc report shows the plan" in err
+
+
+def test_plan_does_not_move(stored: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = run(capsys, "plot", stored, "--animate", "x.gif")
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
     assert "a plan; required a flight" in err
 
 
@@ -349,9 +368,18 @@ def test_plan_and_flight_do_not_share_a_page(
     short = changed("plant.duration=4.0")
     assert run(capsys, "simulate", "gupta2015_case1", "-o", flight, "-q", *short)[0] == 0
     for command in ("report", "plot"):
-        code, _, err = run(capsys, command, stored, flight, "-o", tmp_path / "x.html")
-        assert code == 2
-        assert "received plans beside flights (flight); required one or the other" in err
+        code, _, err = run(capsys, command, flight, stored, "-o", tmp_path / "x.html")
+        assert (code, len(err.splitlines())) == (2, 1)
+        assert f"{stored}: received a plan of gnc plan beside flights ({flight}); required" in err
+
+
+def test_plan_beside_a_flight_is_refused_before_that_is_read(
+    stored: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "flight").mkdir()  # holds nothing that could be read
+    code, _, err = run(capsys, "report", stored, tmp_path / "flight", "-o", tmp_path / "x.html")
+    assert code == 2
+    assert f"beside flights ({tmp_path / 'flight'}); required plans alone or flights alone" in err
 
 
 def test_damaged_file_is_refused_in_one_line(

@@ -75,6 +75,7 @@ def numbers(plan: Plan) -> dict[str, Any]:
     return {
         "status": solution.status.text,
         "cost": solution.cost,
+        "cost_integral": solution.cost * plan.period,
         "iterations": solution.iterations,
         "residual": solution.residuals.largest,
         "steps": plan.n_steps,

@@ -55,7 +55,8 @@ def _starts(run: Planned) -> str:
 
 
 ROWS: Final = (
-    Row("Cost, sum of |u|² / 2", "cost", "N² m²", 10),
+    Row("Cost, sum of |u|² / 2 over the steps", "cost", "N² m²", 10),
+    Row("Integral of |u|² / 2", "cost_integral", "N² m² s", 10),
     Row("Angle", "angle_deg", "deg", 8),
     Row("Duration", "duration", "s", 8),
     Row("Control steps", "steps"),
@@ -65,7 +66,7 @@ ROWS: Final = (
     Row("Momentum bounds [N m s]", text=_bounds("momentum_bounds")),
     Row("Bounds that act", text=_active),
     Row("Largest residual, relative", "residual", "", 3),
-    Row("Least curvature", "min_curvature", "", 3),
+    Row("Least eigenvalue of the reduced Hessian, at least", "min_curvature", "", 3),
     Row("Newton steps", "iterations"),
     Row("Starts that led to it", text=_starts),
 )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any, Final
 
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.planner.plan import Plan
+from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES, Plan
 
 UNITS: Final = {"torque": "N m", "momentum": "N m s"}
 _TOLERANCE: Final = 1e-8
@@ -25,20 +25,26 @@ _CONDITIONS: Final = {
 
 def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the lines of a plan's summary, label and text, from its numbers."""
-    rows = [
+    least = f"{m['min_curvature']:.3g}"
+    return [
         ("transfer", _transfer(m)),
-        *(_bounds(m, name, reserve) for name, reserve in zip(UNITS, m["reserves"], strict=True)),
+        *_bounds(m, "torque", m["reserves"][0]),
+        *_bounds(m, "momentum", m["reserves"][1]),
         ("status", m["status"]),
-        ("cost", f"{m['cost']:.10g} N^2 m^2 (sum of |u|^2 / 2)"),
+        ("cost", f"{m['cost']:.10g} N^2 m^2, sum of |u|^2 / 2 over the steps"),
+        ("", f"{m['cost_integral']:.10g} N^2 m^2 s, the integral: cost times {m['period']:g} s"),
         ("largest torque", f"{_vector(m['max_torque'])} N m"),
         ("largest momentum", f"{_vector(m['max_momentum'])} N m s"),
         ("residual", f"{m['residual']:.2g}, relative; {m['iterations']} Newton steps"),
-        ("least curvature", f"{m['min_curvature']:.3g}, of 1 in a linear motion"),
+        (
+            "second order",
+            f"least eigenvalue of the reduced Hessian: {least} or more",
+        ),
+        ("", "(above 0 at a minimum; 1 where the motion is linear)"),
         *_labeled("active bounds", active_texts(m) or ["none"]),
         *_labeled("starts tried", list(_tried(m))),
         *_labeled("shortest time", list(_shortest(m))),
     ]
-    return [row for row in rows if row[1]]
 
 
 def active_texts(m: dict[str, Any]) -> list[str]:
@@ -82,11 +88,11 @@ def _transfer(m: dict[str, Any]) -> str:
     return f"{m['angle_deg']:.6g} deg in {m['duration']:.6g} s, {steps}"
 
 
-def _bounds(m: dict[str, Any], name: str, reserve: float) -> tuple[str, str]:
+def _bounds(m: dict[str, Any], name: str, reserve: float) -> Iterator[tuple[str, str]]:
     text = bounds_text(m[f"{name}_bounds"])
-    unit = "" if text == "none" else f" {UNITS[name]}"
-    less = f", less by the reserve of {100.0 * reserve:g} %" if reserve > 0.0 and unit else ""
-    return f"{name} bounds", f"{text}{unit}{less}"
+    yield f"{name} bounds", "none" if text == "none" else f"{text} {UNITS[name]}"
+    if reserve > 0.0 and text != "none":
+        yield "", f"(already less the reserve of {100.0 * reserve:g} %)"
 
 
 def _pair(low: float, high: float) -> str:
@@ -105,7 +111,7 @@ def _end(one: dict[str, Any]) -> int:
 
 
 def _vector(values: Array) -> str:
-    return " ".join(f"{value:.6g}" for value in values)
+    return ", ".join(f"{axis} {value:.6g}" for axis, value in zip(AXES, values, strict=True))
 
 
 def _tried(m: dict[str, Any]) -> Iterator[str]:
