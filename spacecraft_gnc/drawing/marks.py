@@ -47,4 +47,5 @@ def draw_marks(axes: Axes, marks: Sequence[Mark]) -> None:
             text, (time, 0.0), xycoords=("data", "axes fraction"), rotation=90.0,
             xytext=(-2 if before else 2, 4), textcoords="offset points", color=color,
             fontsize=7.0, ha="right" if before else "left", va="bottom",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
         )  # fmt: skip

@@ -24,11 +24,12 @@ class Row(NamedTuple):
     absent: Callable[[Any], str] = lambda _: NOTHING
     """Of a run without the metric: what stands there."""
     text: Callable[[Any], str] | None = None
-    """Of a run: what stands there, in place of a metric."""
+    """Of a run: what stands there, in place of a metric; with a key, `NOTHING` hides the row."""
 
     def is_shown(self, runs: Sequence[Any]) -> bool:
         """Tell whether any of the runs has something to say."""
-        return self.text is not None or any(self.value(run) != NOTHING for run in runs)
+        is_always = self.text is not None and not self.key
+        return is_always or any(self.value(run) != NOTHING for run in runs)
 
     def value(self, run: Any) -> str:
         """Return what stands there for a run."""

@@ -97,12 +97,39 @@ def test_a_flight_on_its_plan_costs_what_was_planned(flight, scenario):
     assert m["limits_exceeded"] == []
 
 
+def test_the_summary_holds_components_against_their_bounds(flight, scenario):
+    """The norm has no bound: a plan within 20 N m on each axis reaches 28 N m."""
+    m = summarize(flight, scenario)
+    assert m["max_components"]["momentum"] == pytest.approx(
+        np.abs(flight.momentum).max(axis=0).tolist(), abs=1e-9
+    )
+    assert m["upper_bounds"] == {"torque": [20.0] * 3, "momentum": [70.0] * 3}
+    rows = dict(summary_rows(m))
+    assert rows["largest torque"] == "16.626 20 20 N m, bounds +-20"
+    assert rows["largest momentum"] == "58.38 70 70 N m s, bounds +-70"
+    assert rows["use of torque bounds"] == "x 83.13 %, y 100 %, z 100 %"
+    assert rows["largest torque norm"] == "28.288641 N m"
+    assert max(len(text) for text in rows.values()) + 26 <= 80
+    unknown = dict(summary_rows(summarize(flight)))
+    assert unknown["largest torque"] == "16.626 20 20 N m"
+    assert "use of torque bounds" not in unknown
+
+
+def test_rounding_off_the_plan_is_not_drawn(flight, scenario):
+    drawn = plan_series.drawn_error_deg(flight)
+    assert (drawn == 1e-6).all()
+    error = flight_makers(flight, scenario)["plan"]().axes[2]
+    assert error.get_title(loc="left").endswith("none, less than 1e-06 deg")
+
+
 def test_further_plans_are_counted_and_marked(replanned, other):
     m = summarize(replanned, other)
     taken = np.flatnonzero(np.diff(replanned.plan) > 0) + 1
     assert m["replans"] == len(taken) >= 1
     marks = plan_series.plan_marks(replanned)
-    assert [mark.time for mark in marks if mark.text != "plan ends"] == list(replanned.time[taken])
+    times = [0.0, *replanned.time[taken]]
+    assert [mark.time for mark in marks if mark.text != "plan ends"] == times
+    assert [mark.text for mark in marks][:2] == ["first plan", "second plan"]
     assert marks[-1].text == "plan ends"
     assert marks[-1].time == m["plan_end_time"]
     assert m["max_plan_error_deg"] == pytest.approx(np.degrees(np.nanmax(replanned.plan_error)))
@@ -110,7 +137,7 @@ def test_further_plans_are_counted_and_marked(replanned, other):
     words = dict(summary_rows(m))
     times = "once" if m["replans"] == 1 else f"{m['replans']} times"
     assert f"replanned {times}" in words["plan"]
-    assert "torque y" in words["use of the bounds"]
+    assert words["use of torque bounds"].startswith("x ")
 
 
 def test_a_flight_without_a_plan_has_none_of_these_metrics():
@@ -215,8 +242,11 @@ def test_the_figures_show_plan_and_bounds(replanned, other):
     assert {y[0] for y in (line.get_ydata() for line in torque.lines) if len(y) == 2} >= {
         20.0, -20.0, 18.0, -18.0
     }  # fmt: skip
+    named = [text.get_text() for text in torque.get_legend().texts]
+    assert named == ["planned", "planned bound"]
+    assert not {"second plan", "plan ends"} & {text.get_text() for text in torque.texts}
     texts = [text.get_text() for text in error.texts]
-    assert texts[:1] == ["plan 1"]
+    assert texts[:2] == ["first plan", "second plan"]
     assert texts[-1] == "plan ends"
 
 
@@ -260,5 +290,25 @@ def test_the_page_of_two_runs_compares_them(flight, replanned, scenario, other):
     charts = {chart.name: chart for chart in REPORT.charts(runs, 1000)}
     assert len(charts["plan_error"].figure["data"]) == 2
     assert "annotations" not in charts["torque"].figure["layout"]
+    norm = charts["torque_norm"]
+    assert norm.title == "Torque norm"
+    assert "bounds of a plan are on components" in norm.note
     rows = {row.label: row.value(runs[1]) for row in REPORT.rows if row.is_shown(runs)}
+    assert rows["Torque limit"] == "on components"
+    assert rows["Largest torque x, y, z"].endswith(" N m, bounds +-20")
     assert rows["Plans taken after the first"] == str(summarize(replanned, other)["replans"])
+
+
+def test_costates_of_two_runs_have_a_diagram_for_each_component(flight, scenario):
+    runs = [run_of(flight, scenario, (_recorded(),), name) for name in ("one", "two")]
+    charts = {chart.name: chart for chart in REPORT.charts(runs, 1000)}
+    assert charts["costates"].tall
+    figure = charts["costates"].variants[0].figure
+    assert [figure["layout"][f"yaxis{k}"]["title"]["text"] for k in ("", 2, 3)] == [
+        "x [N m]", "y [N m]", "z [N m]"
+    ]  # fmt: skip
+    data = figure["data"]
+    assert [trace["name"] for trace in data] == ["one"] * 3 + ["two"] * 3
+    assert [trace.get("yaxis", "y") for trace in data[:3]] == ["y", "y2", "y3"]
+    rows = {row.label for row in REPORT.rows if row.is_shown([run_of(at_rest(), None)])}
+    assert "Largest torque x, y, z" not in rows

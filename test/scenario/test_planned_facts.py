@@ -51,6 +51,38 @@ def test_a_flight_that_ends_before_its_plan():
     assert outlook(scenario, cut_short=True).warnings == ()
 
 
+@pytest.mark.parametrize(
+    ("sets", "words"),
+    [
+        ({}, ()),
+        ({"plant.constant_torque": [0.1] * 3}, ()),  # not among the disturbances
+        (
+            {"plant.disturbances": ["constant"], "plant.constant_torque": [0.1] * 3},
+            ("torque_reserve and momentum_reserve 0 beside constant;",),
+        ),
+        (
+            {
+                "plant.inertia": [840.0, 0.0, 0.0, 0.0, 1260.0, 0.0, 0.0, 0.0, 1050.0],
+                "nmpc_controller.plan.torque_reserve": 0.05,
+                "nmpc_controller.plan.duration": 20.0,
+                "nmpc_controller.inertia": [800.0, 0.0, 0.0, 0.0, 1200.0, 0.0, 0.0, 0.0, 1000.0],
+            },
+            ("plan: received momentum_reserve 0 beside an inertia other than believed;",),
+        ),
+    ],
+)  # fmt: skip
+def test_a_body_that_is_not_as_believed_needs_a_reserve(sets, words):
+    told = outlook(load("phogat_figure4", sets), cut_short=False).warnings
+    assert len(told) == len(words)
+    for line, part in zip(told, words, strict=True):
+        assert part in line
+
+
+@pytest.mark.parametrize("name", ["phogat_y90", "phogat_figure4_disturbed", "phogat_replanned"])
+def test_the_shipped_ones_have_theirs(name):
+    assert outlook(load(name), cut_short=False).warnings == ()
+
+
 def test_a_scenario_without_a_plan_has_none():
     scenario = load("gupta2015_case1")
     told = facts(scenario, outlook(scenario, cut_short=False))

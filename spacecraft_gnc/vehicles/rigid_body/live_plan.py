@@ -11,7 +11,7 @@ import numpy as np
 from spacecraft_gnc.drawing.live import INK, Panel, Readout, Series, number, small
 from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.plan_series import bounds_of, phase_name
+from spacecraft_gnc.vehicles.rigid_body.plan_series import LEAST_DEG, bounds_of, phase_name
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 FIELDS: Final = {"plan_step": "plan_status/plan_step"}
@@ -26,7 +26,6 @@ _PHASES: Final = {
 """Color of each phase, on a dark page."""
 _MOODS: Final = {phase_name(Phase.REPLANNING): "warn", phase_name(Phase.NOT_FOUND): "bad"}
 _TOUCHING: Final = 1.0 + 1e-6  # share of a bound from which it counts as exceeded
-_LEAST_DEG: Final = 1e-6  # of the logarithmic chart: on the plan, rounding errors remain
 
 
 def real_bounds(scenario: Scenario) -> Array | None:
@@ -68,7 +67,7 @@ def values(row: Mapping[str, Any], constants: Mapping[str, Any]) -> dict[str, An
         "plan": -1 if plan is None else int(plan),
         "plan_phase": phase_name(-1 if phase is None else int(phase)),
         "plan_step": row.get("plan_step"),
-        "plan_error_deg": max(_LEAST_DEG, error_deg) if math.isfinite(error_deg) else math.nan,
+        "plan_error_deg": max(LEAST_DEG, error_deg) if math.isfinite(error_deg) else math.nan,
         "plan_torque": row.get("plan_torque"),
         "plan_momentum_error": math.nan
         if planned is None or momentum is None

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any, Final
 
+import numpy as np
+
 from spacecraft_gnc.vehicles.rigid_body.prediction import Prediction, predict
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
-from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters, plans
+from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters, planning_section, plans
 from spacecraft_gnc.vehicles.vehicle import Outlook
 
 LARGEST_EXCESS: Final = 1e-3
@@ -41,9 +43,28 @@ def _of_plan(scenario: Scenario, cut_short: bool) -> Outlook:
     if duration < end and not cut_short:
         text = f"received {duration:g} s; required at least {end:g} s, the time of the plan"
         warnings = [f"{scenario.path}: plant.duration: {text}; lengthen it"]
+    warnings += _of_reserve(scenario)
     numbers = {**_numbers(None, 0.0), "predicted_settling_time": end}
     settling = f"at rest at the target from {end:g} s, the end of the plan"
     return Outlook(settling, numbers, tuple(warnings))
+
+
+def _of_reserve(scenario: Scenario) -> list[str]:
+    """Return what is missing where the body is not as believed, and a plan leaves nothing to it."""
+    plan, plant = plan_parameters(scenario), scenario.plant
+    bounds = {"torque": plan.torque_bounds, "momentum": plan.momentum_bounds}
+    reserves = {"torque": plan.torque_reserve, "momentum": plan.momentum_reserve}
+    missing = [
+        f"{name}_reserve" for name, b in bounds.items() if len(b) and not reserves[name] > 0.0
+    ]
+    is_another = not np.array_equal(plant.inertia, scenario.controller.inertia)
+    causes = [*plant.disturbances, *(["an inertia other than believed"] if is_another else [])]
+    if not (missing and causes):
+        return []
+    section = planning_section(scenario)
+    text = f"received {' and '.join(missing)} 0 beside {', '.join(causes)}"
+    need = "required a share of the bounds for the tracking, else it may exceed them"
+    return [f"{scenario.path}: {section}.plan: {text}; {need}; add some"]
 
 
 def _numbers(prediction: Prediction | None, excess: float) -> dict[str, Any]:
@@ -114,8 +135,6 @@ def _of_limit(scenario: Scenario, excess: float) -> list[str]:
 
 def _first_excess(scenario: Scenario) -> float:
     """Return by which share the controls of the first solve exceed their limit; 0: unknown."""
-    import numpy as np
-
     from spacecraft_gnc import lie
     from spacecraft_gnc.ocp import ShootingSolver
     from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import options_of, problem_of

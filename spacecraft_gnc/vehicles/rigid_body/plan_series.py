@@ -33,7 +33,8 @@ _COLORS: Final = {
     Phase.REPLANNING: style.RUN_COLORS[4],
     Phase.NOT_FOUND: style.LIMIT_COLOR,
 }
-_ROUNDING_DEG: Final = 1e-14
+LEAST_DEG: Final = 1e-6
+"""Least error off a plan that is drawn: on the plan, rounding errors remain."""
 _LEAST_SHARE: Final = 1e-4
 
 
@@ -125,25 +126,37 @@ def plan_error_deg(flight: Flight) -> Array:
 
 
 def drawn_error_deg(flight: Flight) -> Array:
-    """Return `plan_error_deg` for a logarithmic scale: no less than a share of the largest one."""
+    """Return `plan_error_deg` for a logarithmic scale, no less than `LEAST_DEG`.
+
+    Nor less than a share of the largest one.
+    """
     error = plan_error_deg(flight)
-    least = max(_ROUNDING_DEG, _LEAST_SHARE * float(np.nanmax(error, initial=0.0)))
+    least = max(LEAST_DEG, _LEAST_SHARE * float(np.nanmax(error, initial=0.0)))
     return np.asarray(np.maximum(error, least))
 
 
 def plan_marks(flight: Flight) -> list[Mark]:
-    """Return when another plan was taken, when none was found, and when a plan ended."""
-    found = []
+    """Return when each of several plans was taken, when none was found, and when one ended."""
     known = np.flatnonzero(flight.plan >= 0).tolist()
+    numbers = flight.plan[known]
+    found = [_taken(flight, known[0])] if len(known) and np.ptp(numbers) else []
     for before, k in pairwise(known):
         time, phase = float(flight.time[k]), int(flight.plan_phase[k])
         if flight.plan[k] != flight.plan[before]:
-            found.append(Mark(time, f"plan {flight.plan[k]}", style.INK))
+            found.append(_taken(flight, k))
         if phase != flight.plan_phase[before] and phase in _MARKED:
             found.append(Mark(time, *_MARKED[phase]))
     return found
 
 
+def _taken(flight: Flight, step: int) -> Mark:
+    number = int(flight.plan[step])
+    name = f"{_ORDINALS[number]} plan" if number < len(_ORDINALS) else f"plan number {number}"
+    return Mark(float(flight.time[step]), name, style.INK)
+
+
+_ORDINALS: Final = ("first", "second", "third", "fourth", "fifth")
+"""Of the numbers of plans, which begin with 0."""
 _MARKED: Final = {
     int(Phase.ARRIVED): ("plan ends", style.MUTED),
     int(Phase.NOT_FOUND): ("no plan found", style.LIMIT_COLOR),

@@ -8,7 +8,7 @@ import numpy as np
 
 from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body import plan_series
+from spacecraft_gnc.vehicles.rigid_body import plan_series, series
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight
@@ -32,7 +32,9 @@ def plan_metrics(flight: Flight, scenario: Scenario | None) -> dict[str, Any]:
         torques planned for the steps flown, and of those applied [N^2 m^2]),
         ``max_plan_error_deg`` and ``max_plan_momentum_error`` [N m s] (largest distances from the
         plan), ``bound_use`` (largest share of each bound, by ``torque x``, ``momentum z``; empty
-        without a scenario) and ``max_bound_use``.
+        without a scenario) and ``max_bound_use``. Only planned flights have ``max_components``
+        (largest size of each component of ``torque`` [N m] and ``momentum`` [N m s]), and, where
+        the scenario is known, ``lower_bounds`` and ``upper_bounds`` of the same.
     """
     if not plan_series.is_planned(flight):
         return dict.fromkeys(_NAMES)
@@ -50,7 +52,24 @@ def plan_metrics(flight: Flight, scenario: Scenario | None) -> dict[str, Any]:
         "max_plan_momentum_error": _largest(off),
         "bound_use": use,
         "max_bound_use": max(use.values(), default=None),
+        "max_components": {
+            "torque": _largest_components(flight.torque),
+            "momentum": _largest_components(series.momenta(flight)),
+        },
+        **(_bounds(bounds.real) if bounds is not None else {}),
     }
+
+
+def _bounds(real: Array) -> dict[str, dict[str, list[float]]]:
+    low_u, high_u, low_p, high_p = real.tolist()
+    return {
+        "lower_bounds": {"torque": low_u, "momentum": low_p},
+        "upper_bounds": {"torque": high_u, "momentum": high_p},
+    }
+
+
+def _largest_components(values: Array) -> list[float | None]:
+    return [_largest(component) for component in np.abs(values).T]
 
 
 def _end_time(flight: Flight) -> float | None:

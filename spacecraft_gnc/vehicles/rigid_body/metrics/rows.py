@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+import numpy as np
+
+from spacecraft_gnc.vehicles.rigid_body.planner.rows import bounds_text
+
+_UNITS: Final = {"torque": "N m", "momentum": "N m s"}
 _NOTHING: Final = "-"  # a row without a value is left out
 
 
@@ -19,7 +24,7 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
         *((label, never if at is None else f"from {at:g} s") for label, at in settled),
         *_governor_rows(m),
         *_plan_rows(m),
-        ("largest torque", f"{_text(m['max_torque'], 8)} N m, {_limit(m)}"),
+        _largest_torque(m),
         ("sum of stage costs", _stage_costs(m)),
         ("least zone margin", f"{_text(m['min_zone_margin_deg'], 4)} deg"),
         ("iterations a solve", iterations),
@@ -50,6 +55,14 @@ def _governor_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     return [("target admitted", f"never{where}")]
 
 
+def _largest_torque(m: dict[str, Any]) -> tuple[str, str]:
+    """Return the largest norm; that of a plan has bounds on its components, told of elsewhere."""
+    largest = f"{_text(m['max_torque'], 8)} N m"
+    if m["replans"] is None:
+        return "largest torque", f"{largest}, {_limit(m)}"
+    return "largest torque norm", f"{largest}, {_limit(m)}" if m["torque_limit"] else largest
+
+
 def _plan_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     if m["replans"] is None:
         return []
@@ -57,20 +70,39 @@ def _plan_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     times = "once" if more == 1 else f"{more} times"
     lost = m["plan_not_found_steps"]
     told = [
-        f"planned cost {m['plan_cost']:.10g} N^2 m^2, flown {m['flown_cost']:.10g}",
         f"at its goal from {end:g} s" if end is not None else "not flown to its end",
         *([f"replanned {times}"] if more else []),
         *([f"no plan found at {lost} steps"] if lost else []),
     ]
     angle, momentum = _text(m["max_plan_error_deg"], 4), _text(m["max_plan_momentum_error"], 4)
-    rows = [
+    costs = f"{m['plan_cost']:.10g} N^2 m^2 planned, {m['flown_cost']:.10g} flown"
+    return [
         ("plan", ", ".join(told)),
+        ("cost of the plan", costs),
         ("off the plan", f"{angle} deg and {momentum} N m s at most"),
+        *((f"largest {name}", components_text(m, name)) for name in _UNITS),
+        *_use_rows(m["bound_use"]),
     ]
-    if m["bound_use"]:
-        use = ", ".join(f"{name} {100.0 * share:.4g} %" for name, share in m["bound_use"].items())
-        rows.append(("use of the bounds", use))
-    return rows
+
+
+def components_text(m: dict[str, Any], name: str) -> str:
+    """Return the largest components of ``torque`` or ``momentum``, and their bounds if known."""
+    largest = " ".join(_text(value, 5) for value in m["max_components"][name])
+    if "lower_bounds" not in m:
+        return f"{largest} {_UNITS[name]}"
+    sides = [np.array(m[side][name]) for side in ("lower_bounds", "upper_bounds")]
+    return f"{largest} {_UNITS[name]}, bounds {bounds_text(sides)}"
+
+
+def _use_rows(use: dict[str, float]) -> list[tuple[str, str]]:
+    """Return the largest share of each bound, of torque and momentum."""
+    found = []
+    for name in _UNITS:
+        shares = {key[-1]: share for key, share in use.items() if key.startswith(name)}
+        if shares:
+            text = ", ".join(f"{axis} {100.0 * share:.4g} %" for axis, share in shares.items())
+            found.append((f"use of {name} bounds", text))
+    return found
 
 
 def _stage_costs(m: dict[str, Any]) -> str:

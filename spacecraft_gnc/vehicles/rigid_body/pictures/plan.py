@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.telemetry import Telemetry
 
 
+_PLANNED_BOUND: Final = "planned bound"
+
+
 def momentum(axes: Axes, trajectory: Flight, bounds: plan_series.Bounds | None) -> None:
     """Draw the components of the momentum, the planned ones as bands beneath, and the bounds."""
     panels.momentum(axes, trajectory)
@@ -32,7 +35,7 @@ def momentum(axes: Axes, trajectory: Flight, bounds: plan_series.Bounds | None) 
         planned = unit.factor * plan_series.planned_momenta(trajectory)[:, i]
         axes.plot(times, planned, **_band(i))
     _draw_bounds(axes, bounds, 2, unit)
-    draw_marks(axes, plan_series.plan_marks(trajectory))
+    _finish(axes, trajectory)
 
 
 def torque(axes: Axes, trajectory: Flight, bounds: plan_series.Bounds | None) -> None:
@@ -44,7 +47,7 @@ def torque(axes: Axes, trajectory: Flight, bounds: plan_series.Bounds | None) ->
         planned = unit.factor * held(trajectory.plan_torque)[:, i]
         axes.step(times, planned, where="post", **_band(i))
     _draw_bounds(axes, bounds, 0, unit)
-    draw_marks(axes, plan_series.plan_marks(trajectory))
+    _finish(axes, trajectory)
 
 
 def error(axes: Axes, trajectory: Flight) -> None:
@@ -52,7 +55,11 @@ def error(axes: Axes, trajectory: Flight) -> None:
     values = plan_series.drawn_error_deg(trajectory)
     axes.plot(trajectory.time, values, color=style.INK)
     logarithmic(axes, values)
-    frame(axes, series.state_times(trajectory), "Error off the plan", "angle [deg]")
+    title = "Error off the plan"
+    if not np.nanmax(values, initial=0.0) > plan_series.LEAST_DEG:
+        title += f": none, less than {plan_series.LEAST_DEG:g} deg"
+        axes.set_ylim(0.01 * plan_series.LEAST_DEG, 1e3 * plan_series.LEAST_DEG)
+    frame(axes, series.state_times(trajectory), title, "angle [deg]")
     draw_marks(axes, plan_series.plan_marks(trajectory))
 
 
@@ -85,6 +92,20 @@ def _costates(axes: Axes, trajectory: Flight, telemetry: Telemetry, name: str) -
     draw_marks(axes, plan_series.plan_marks(trajectory))
 
 
+def _finish(axes: Axes, trajectory: Flight) -> None:
+    """Draw the lines of events, whose texts stand in the error's panel, and say what is what."""
+    draw_marks(axes, [mark._replace(text="") for mark in plan_series.plan_marks(trajectory)])
+    shown = axes.get_legend()
+    band = axes.plot([], [], label="planned", **_band(0) | {"color": style.MUTED})
+    bounds = [line for line in axes.lines if line.get_label() == _PLANNED_BOUND]
+    axes.legend(  # in the margin below the lower bounds
+        handles=[*band, *bounds], loc="lower left", ncols=2, fontsize=7.0,
+        borderaxespad=0.15, borderpad=0.0,
+    )  # fmt: skip
+    if shown is not None:
+        axes.add_artist(shown)
+
+
 def _band(index: int) -> dict[str, Any]:
     """Return the look of a planned component beneath the flown one."""
     return {"color": style.COMPONENT_COLORS[index], "linewidth": 5.0, "alpha": 0.28, "zorder": 1.5}
@@ -94,7 +115,9 @@ def _draw_bounds(axes: Axes, bounds: plan_series.Bounds | None, row: int, unit: 
     if bounds is None:
         return
     for bound in plan_series.drawn_bounds(bounds, row, unit):
-        draw_limit(axes, bound.value, width=1.1 if bound.is_real else 0.7)
+        is_named = not bound.is_real and bound.value > 0.0 and bool(bound.text)
+        label = _PLANNED_BOUND if is_named else None
+        draw_limit(axes, bound.value, label, width=1.1 if bound.is_real else 0.7)
         if bound.is_real:
             axes.annotate(
                 bound.text, (1.0, bound.value), xycoords=("axes fraction", "data"),

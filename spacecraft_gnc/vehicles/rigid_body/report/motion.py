@@ -173,7 +173,8 @@ def _torque_norm(runs: Sequence[Flown], points: int) -> Chart:
         scaled = unit.factor * value
         traces.append(limit(span(runs), (scaled, scaled), f"limit {scaled:g} {unit.label}"))
     y = axis(f"|torque| [{unit.label}]", rangemode="tozero")
-    return Chart("torque_norm", "Torque norm and limit", "", over_time(runs, traces, y))
+    title = "Torque norm and limit" if any(limits) else "Torque norm"
+    return Chart("torque_norm", title, plan.norm_note(runs), over_time(runs, traces, y))
 
 
 def _external_torque(runs: Sequence[Flown], points: int) -> Chart:

@@ -14,7 +14,6 @@ from spacecraft_gnc.drawing.chart import (
     Chart,
     Variant,
     held,
-    named,
     one_curve_each,
     over_time,
     span,
@@ -39,6 +38,7 @@ from spacecraft_gnc.vehicles.rigid_body.recorded_plans import as_flown
 
 _FAINT: Final = {"width": 5.0}
 _NOTE: Final = " Broad and faint: as planned. Dotted: bounds of the plan, less its reserve."
+_NORM_NOTE: Final = "The bounds of a plan are on components, not on this norm: see the torque."
 _COSTATES: Final = (
     (
         "co_momentum",
@@ -64,6 +64,11 @@ _COSTATES: Final = (
 def note(runs: Sequence[Flown]) -> str:
     """Return what is said of the planned curves; empty where there are none."""
     return _NOTE if _planned_alone(runs) else ""
+
+
+def norm_note(runs: Sequence[Flown]) -> str:
+    """Return what is said of the norm of a torque with bounds on its components."""
+    return _NORM_NOTE if any(plan_series.is_planned(run.trajectory) for run in runs) else ""
 
 
 def beneath_torque(runs: Sequence[Flown], points: int, unit: style.Unit) -> Iterator[Trace]:
@@ -92,7 +97,8 @@ def plan_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         yield Chart(
             "plan_error",
             "Error off the plan",
-            "Angle from the planned attitude of each step to the attitude.",
+            "Angle from the planned attitude of each step to the attitude; "
+            f"{plan_series.LEAST_DEG:g} deg stands for less.",
             over_time(runs, traces, log_axis("angle [deg]")),
             scale="yaxis",
         )
@@ -102,7 +108,8 @@ def plan_charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         if (drawn := _costates(runs, points, name, label, unit))
     )
     if variants:
-        yield Chart("costates", "Co-states of the plan", variants=variants)
+        is_tall = len(runs) > 1
+        yield Chart("costates", "Co-states of the plan", variants=variants, tall=is_tall)
     planned = [run for run in runs if plan_series.is_planned(run.trajectory)]
     if planned:
         yield _phases(planned)
@@ -157,7 +164,11 @@ def _bounds(run: Flown, row: int, unit: style.Unit) -> Iterator[Trace]:
 def _costates(
     runs: Sequence[Flown], points: int, name: str, label: str, unit: str
 ) -> dict[str, Any] | None:
-    """Return the figure of a co-state of the plans; None where none was recorded, or it is zero."""
+    """Return the figure of a co-state of the plans; None where none was recorded, or it is zero.
+
+    One diagram for one run, else one for each component.
+    """
+    several = len(runs) > 1
     traces: list[Trace] = []
     size = 0.0
     for i, run in enumerate(runs):
@@ -167,9 +178,12 @@ def _costates(
         size = max(size, float(np.nanmax(np.abs(values))))
         times = run.times[0] + run.trajectory.period * steps
         for j, component in enumerate(AXES):
-            look = {**component_line(j), **HELD}
-            if len(runs) > 1:
-                look["color"] = run_line(i)["color"]
-            curve = Curve(times, values[:, j], named(runs, run, component), look)
+            look = {**(run_line(i) if several else component_line(j)), **HELD}
+            options = {"legendgroup": run.name, "showlegend": j == 0} if several else {}
+            text, row = (run.name, j) if several else (component, 0)
+            curve = Curve(times, values[:, j], text, look, row=row, options=options)
             traces.append(trace(curve, points))
-    return over_time(runs, traces, axis(f"{label} [{unit}]")) if size > 0.0 else None
+    if size == 0.0:
+        return None
+    texts = [f"{component} [{unit}]" for component in AXES] if several else [f"{label} [{unit}]"]
+    return over_time(runs, traces, *(axis(text) for text in texts))

@@ -7,6 +7,7 @@ from typing import Final
 
 from spacecraft_gnc.drawing.table import NOTHING, Row
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
+from spacecraft_gnc.vehicles.rigid_body.metrics.rows import components_text
 
 
 def _unknown(_: Flown) -> str:
@@ -39,6 +40,22 @@ def _never_ended(run: Flown) -> str:
     return NOTHING if run.metrics["replans"] is None else "not flown to its end"
 
 
+def _unlimited(run: Flown) -> str:
+    if run.scenario is None:
+        return "unknown"
+    return "none" if run.metrics["replans"] is None else "on components"
+
+
+def _components(name: str) -> Callable[[Flown], str]:
+    """Return what tells the largest components of a planned flight, and their bounds."""
+
+    def text(run: Flown) -> str:
+        m = run.metrics
+        return NOTHING if m["replans"] is None else components_text(m, name)
+
+    return text
+
+
 ROWS: Final = (
     Row("Error is the angle to the", text=lambda run: str(run.metrics["error_to"])),
     Row("Control steps", "steps"),
@@ -53,8 +70,8 @@ ROWS: Final = (
     Row("Last reference to the target", "final_reference_error_deg", "deg"),
     Row("Steps without an admissible reference", "inadmissible_steps"),
     Row("Least governor margin", "min_governor_margin"),
-    Row("Largest torque", "max_torque", "N m", 8, absent=_unknown),
-    Row("Torque limit", "torque_limit", "N m", 8, absent=_of_scenario("none")),
+    Row("Largest torque, norm", "max_torque", "N m", 8, absent=_unknown),
+    Row("Torque limit", "torque_limit", "N m", 8, absent=_unlimited),
     Row("Steps on the limit", "saturated_steps", absent=_of_scenario(NOTHING)),
     Row("Sum of stage costs", "cost", "", 8, absent=_of_scenario(NOTHING)),
     Row("Plans taken after the first", "replans"),
@@ -63,6 +80,8 @@ ROWS: Final = (
     Row("Flown cost, the same", "flown_cost", "N² m²", 8),
     Row("Largest error off the plan", "max_plan_error_deg", "deg"),
     Row("Largest momentum off the plan", "max_plan_momentum_error", "N m s"),
+    Row("Largest torque x, y, z", "replans", text=_components("torque")),
+    Row("Largest momentum x, y, z", "replans", text=_components("momentum")),
     Row("Largest use of a bound", "max_bound_use", "%", 5, 100.0),
     Row("Steps without a new plan that was sought", "plan_not_found_steps"),
     Row("Least zone margin", "min_zone_margin_deg", "deg", absent=_of_scenario(NOTHING)),
