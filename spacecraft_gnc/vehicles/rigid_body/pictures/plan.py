@@ -100,7 +100,7 @@ def _finish(axes: Axes, trajectory: Flight) -> None:
     bounds = [line for line in axes.lines if line.get_label() == _PLANNED_BOUND]
     axes.legend(  # in the margin below the lower bounds
         handles=[*band, *bounds], loc="lower left", ncols=2, fontsize=7.0,
-        borderaxespad=0.15, borderpad=0.0,
+        borderaxespad=0.4, borderpad=0.0, handlelength=1.6, columnspacing=1.0,
     )  # fmt: skip
     if shown is not None:
         axes.add_artist(shown)
