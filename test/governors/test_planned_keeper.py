@@ -138,7 +138,7 @@ class Solver:
     def __init__(self, *, finds=True):
         self.let, self.finds, self.asked = Event(), finds, 0
 
-    def solve(self, problem):
+    def solve(self, problem, *, max_work):
         self.let.wait(60.0)
         self.asked += 1
         found = TransferSolver().solve(problem)
@@ -158,8 +158,20 @@ def test_what_is_not_found_is_sought_again_later(plan):
     assert phases == [*sought, *[Phase.NOT_FOUND] * 10, *sought, *[Phase.NOT_FOUND] * 2]
     assert solver.asked == 24  # durations
     solver.finds = True
-    told = [look(keeper, on(plan, k, OFF), goal).told for k in range(22, 36)]
+    told = [look(keeper, on(plan, k, OFF), goal).told for k in range(22, 46)]
     assert [each.number for several in told for each in several] == [1]
+
+
+def test_the_pause_after_a_search_doubles_until_the_target_changes(plan):
+    solver = Solver(finds=False)
+    solver.let.set()
+    keeper, goal = keeper_of(plan, solver=solver, lead=1), plan.problem.goal
+    phases = [look(keeper, on(plan, k, OFF), goal).phase for k in range(75)]
+    asked = [k for k, phase in enumerate(phases) if phase is Phase.REPLANNING]
+    assert asked == [0, 11, 32, 73]
+    assert look(keeper, on(plan, 75), ELSEWHERE).phase is Phase.REPLANNING
+    assert look(keeper, on(plan, 76), ELSEWHERE).phase is Phase.NOT_FOUND
+    assert look(keeper, on(plan, 86), ELSEWHERE).phase is Phase.REPLANNING
 
 
 def test_in_free_run_a_plan_is_taken_when_it_is_there(plan):
@@ -195,6 +207,31 @@ def test_reset_returns_to_the_first_plan(plan):
     report = look(keeper, on(plan, 0), goal)
     assert report.number == 0
     assert report.told[0].solution is plan
+
+
+class Counting(TransferSolver):
+    """Adds up the work."""
+
+    __slots__ = ("found",)
+
+    def solve(self, problem, start=None, *, max_work=0.0):
+        one = super().solve(problem, start, max_work=max_work)
+        self.found.append(one)
+        return one
+
+
+@pytest.mark.parametrize("push", [-580.0, -1780.0, -5980.0])
+def test_the_work_of_a_search_is_bounded(push):
+    """Momenta of a push in flight [N m s]; without a bound they take up to a minute."""
+    solver = Counting()
+    object.__setattr__(solver, "found", [])
+    transfer = figure_4(n_steps=220, torque=18.0, momentum=56.0)
+    attitude = lie.exp([0.3, 0.4, 0.2])
+    found = Replanner(transfer, solver).find(
+        attitude, np.array([20.0, 30.0, push]), transfer.goal, 140
+    )
+    assert (found is not None) == (push == -580.0)
+    assert 1e5 < sum(one.work for one in solver.found) < 1.5e6
 
 
 def test_a_momentum_outside_the_bounds_widens_them():

@@ -19,7 +19,7 @@ from spacecraft_gnc.governors.planned.report import Cause, Phase, Planned, PlanR
 from spacecraft_gnc.ocp.transfer import TransferSolution, TransferSolver
 from spacecraft_gnc.types import Array, Matrix3, State, Vector3, read_only
 
-_PAUSE: Final = 10  # steps from a search without success to the next one
+_PAUSE: Final = 10  # steps from a first search without success to the next one; it doubles
 _ELSEWHERE: Final = math.radians(1.0)
 """Attitude error at which a flight starts elsewhere than planned, where no other is given."""
 _SAME: Final = 1e-9
@@ -102,7 +102,7 @@ class PlanKeeper:
         self._search: _Search | None = None
         self._cause: Cause | None = None
         self._target = self.goal
-        self._failed, self._next_search = False, 0
+        self._failed, self._next_search, self._pause = False, 0, _PAUSE
 
     def look(self, state: State, target: Matrix3) -> PlanReport:
         """Return what belongs to the step that starts at ``state``; `seek` is to follow.
@@ -113,8 +113,11 @@ class PlanKeeper:
         target : (3, 3) array
             Attitude that is finally wanted, body to inertial.
         """
-        if self._search is not None and not _is_same(self._search.goal, target):
-            self._search = None
+        if not _is_same(self._target, target):
+            self._failed, self._pause = False, _PAUSE
+            if self._search is not None:
+                self._search.answer.cancel()
+                self._search = None
         told = self._take(state.step)
         motion = self._motion
         here = motion.at(state.step)
@@ -179,11 +182,12 @@ class PlanKeeper:
     def _begin(self, plan: TransferSolution, first_step: int, cause: Cause) -> Planned:
         self._motion = PlannedMotion(plan, first_step, self._plant_step)
         self._number += 1
-        self._failed = False
+        self._failed, self._pause = False, _PAUSE
         return Planned(self._number, first_step, cause, plan)
 
     def _fail(self, step: int) -> None:
-        self._failed, self._next_search = True, step + _PAUSE
+        self._failed, self._next_search = True, step + self._pause
+        self._pause *= 2
 
     def _cause_of_another(self, target: Matrix3, error: float, is_new: bool) -> Cause | None:
         """Return why another plan is wanted; None: this one fits."""

@@ -22,6 +22,10 @@ from spacecraft_gnc.types import Matrix3, Vector3
 
 _LONGER: Final = 1.15
 _MOST_DURATIONS: Final = 12
+_MOST_WORK: Final = 1.2e6
+"""`TransferSolution.work` of a search, some 0.5 s: no clock, so that flights are repeatable."""
+_PASSES: Final = 250  # of one duration; a transfer that exists takes some 40 from a start
+_TOO_FEW: Final = 40
 
 
 class Replanner:
@@ -52,6 +56,8 @@ class Replanner:
     ) -> TransferSolution | None:
         """Return the first plan that is found, of ``n_steps`` or longer; None: none was found.
 
+        The work of a search is bounded, whatever the state is.
+
         Parameters
         ----------
         attitude, momentum : (3, 3), (3,) arrays
@@ -71,10 +77,15 @@ class Replanner:
                 torque=(low_u, high_u),
                 momentum=(np.minimum(low_p, momentum), np.maximum(high_p, momentum)),
             )
+            left = _MOST_WORK
             for steps in _durations(max(n_steps, shortest_possible_steps(transfer), 2)):
-                found = self._solver.solve(replace(transfer, n_steps=steps))
+                if left < _TOO_FEW * steps:
+                    break
+                work = min(left, _PASSES * steps)
+                found = self._solver.solve(replace(transfer, n_steps=steps), max_work=work)
                 if found.converged:
                     return found
+                left -= found.work
         except GncError:  # a state from which no step exists, say
             pass
         return None

@@ -57,10 +57,11 @@ def project(x, z, active, lo, hi, first, last):
 
 
 @unlocked_kernel
-def active_set(body, h, first, units, limits, most, plan, z, sets, arena, told):
+def active_set(body, h, first, units, limits, most, passes, plan, z, sets, arena, told):
     """Algorithm 2 from ``plan`` = (u, Pi, lam, m), which the answer replaces; a `Status` value.
 
-    Into ``told``: iterations, residual relative to the units.
+    Ends after ``most`` iterations or ``passes`` along the stages. Into ``told``: iterations,
+    residual relative to the units, passes (to which it adds).
     """
     u, Pi, lam, m = plan
     zu, zp = z
@@ -95,7 +96,7 @@ def active_set(body, h, first, units, limits, most, plan, z, sets, arena, told):
             best = min(best, error)
             if stalled >= 2 and error < _GOOD:
                 return CONVERGED
-        if iteration == most:
+        if iteration == most or told[2] >= passes:
             break
         for k in range(N):
             for i in range(3):
@@ -104,7 +105,7 @@ def active_set(body, h, first, units, limits, most, plan, z, sets, arena, told):
                 if k > 0:
                     Dp[k, i] = firm_p if ap[k, i] != 0 else 0.0
                     gp[k, i] = zp[k, i]
-        status, shift = regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step)
+        status, shift = regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step, told)
         if status != 0:
             return status
         for k in range(N + 1):

@@ -24,6 +24,8 @@ class Found(NamedTuple):
     iterations: int
     error: float
     """Largest residual relative to the units."""
+    work: float
+    """Passes along the stages, times their number."""
 
     @property
     def cost(self) -> float:

@@ -149,13 +149,17 @@ def sum_abs(a):
 
 
 @kernel
-def regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step):
-    """Newton step with as much shift of the curvature as makes it convex; returns status, shift."""
+def regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step, told):
+    """Newton step with as much shift of the curvature as makes it convex; returns status, shift.
+
+    Adds to ``told[2]`` how often it was tried.
+    """
     gains, G, s, y, du, dPi, lam = step
     rho = np.empty(2)
     added = 0.0
     for attempt in range(20):
         weight = 10.0 if attempt == 0 else 1e3
+        told[2] += 1.0
         rho[0], rho[1] = weight * units[2], weight * units[3]
         status = newton_step(h, stage, D, g, Dp, gp, gap, rho, end, gains, G, s, y, du, dPi, lam)
         if status == 0:
@@ -173,12 +177,13 @@ def regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step):
 
 
 @unlocked_kernel
-def interior(body, h, first, units, limits, most, plan, z, arena, told):
+def interior(body, h, first, units, limits, most, passes, plan, z, arena, told):
     """Solve from ``plan`` = (u, Pi, lam, m), which the answer replaces; returns a `Status` value.
 
     ``units`` (4,): of torque and of momentum, and the weights of the end; ``limits`` (4, 3): lower
     and upper torque, lower and upper momentum. ``z``: multipliers (lower, upper torque; lower,
-    upper momentum). Into ``told``: iterations, error.
+    upper momentum). Ends after ``most`` iterations or ``passes`` along the stages. Into ``told``:
+    iterations, error, passes (to which it adds).
     """
     u, Pi, lam, m = plan
     zul, zuh, zpl, zph = z
@@ -234,11 +239,11 @@ def interior(body, h, first, units, limits, most, plan, z, arena, told):
         told[1] = error
         if relative <= _LAST_MU and error <= _ENOUGH * 10.0 * _LAST_MU:
             return CONVERGED
-        if iteration == most:
+        if iteration == most or told[2] >= passes:
             break
         barrier_terms(u, ulo, uhi, zul, zuh, mu, 1.0, 0, N, D, g)
         barrier_terms(Pi, plo, phi, zpl, zph, mu, 0.0, 1, N, Dp, gp)
-        status, shift = regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step)
+        status, shift = regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step, told)
         if status != 0:
             return SINGULAR
         tau = max(0.99, 1.0 - relative)
@@ -262,6 +267,7 @@ def interior(body, h, first, units, limits, most, plan, z, arena, told):
                     Pi_try[k, i] = Pi[k, i] + alpha * dPi[k, i]
                     if k < N:
                         u_try[k, i] = u[k, i] + alpha * du[k, i]
+            told[2] += 1.0
             ok, end_try = move(body, h, u_try, Pi_try, first, q_try, gap_try)
             if ok:
                 gaps_try, _ = sum_abs(gap_try)

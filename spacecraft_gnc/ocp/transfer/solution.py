@@ -67,6 +67,9 @@ class TransferSolution:
         the active set (1 where the motion is linear); NaN unless converged.
     iterations : int
         Newton steps of the start that was taken.
+    work : float
+        Of all starts: how often the stages were gone along (Riccati recursions, and motions of line
+        searches), times their number N.
     tried : tuple of Tried
     reason : str
         What the status rests on, in words.
@@ -92,6 +95,7 @@ class TransferSolution:
     tried: tuple[Tried, ...]
     reason: str
     solve_time: float
+    work: float = 0.0
 
     @property
     def converged(self) -> bool:

@@ -18,7 +18,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from spacecraft_gnc.arguments import as_count, require_kind, require_positive
+from spacecraft_gnc.arguments import as_count, as_limit, require_kind, require_positive
 from spacecraft_gnc.arrays import as_finite
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ocp.transfer._active_kernels import active_set, is_minimum
@@ -28,7 +28,7 @@ from spacecraft_gnc.ocp.transfer.certificate import is_too_short, time_bound_tex
 from spacecraft_gnc.ocp.transfer.conditions import Residuals, evaluate, units
 from spacecraft_gnc.ocp.transfer.problem import AttitudeTransfer
 from spacecraft_gnc.ocp.transfer.solution import TransferSolution, Tried
-from spacecraft_gnc.ocp.transfer.starts import NAMES, Start, make_start
+from spacecraft_gnc.ocp.transfer.starts import NAMES, Start, make_start, to_try
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array
 
@@ -46,7 +46,7 @@ class TransferSolver:
     ----------
     starts : int
         How many of the deterministic starts `starts.NAMES` are tried, at least; the rest are where
-        these lead to no minimum.
+        these lead to no minimum. Where other ways round may be cheaper, these are tried too.
     homotopy : bool
         Whether the homotopy precedes Algorithm 2; without it the method is the paper's.
     tolerance : float
@@ -71,7 +71,11 @@ class TransferSolver:
         as_count("max_iterations", self.max_iterations)
 
     def solve(
-        self, problem: AttitudeTransfer, start: tuple[Array, Array] | None = None
+        self,
+        problem: AttitudeTransfer,
+        start: tuple[Array, Array] | None = None,
+        *,
+        max_work: float = 0.0,
     ) -> TransferSolution:
         """Find the plan of the least torque.
 
@@ -80,6 +84,8 @@ class TransferSolver:
         problem : AttitudeTransfer
         start : pair of (N, 3) and (N+1, 3) arrays, optional
             Torque [N m] and momentum [N m s] to start from, in place of the starts of its own.
+        max_work : float
+            `TransferSolution.work` at which the search ends, the same on any machine; 0: none.
 
         Raises
         ------
@@ -88,7 +94,7 @@ class TransferSolver:
         """
         require_kind("problem", problem, AttitudeTransfer)
         begun = perf_counter()
-        arena = _arena(problem.n_steps)
+        arena, most = _arena(problem.n_steps), as_limit("max_work", max_work) or math.inf
         tried: list[tuple[str, Found]] = []
         if start is not None:
             torque, momentum = start
@@ -98,26 +104,33 @@ class TransferSolver:
                 as_finite("torque", torque, (N, 3), f"{N} torques [N m]"),
                 as_finite("momentum", momentum, (N + 1, 3), f"{N + 1} momenta [N m s]"),
             )
-            tried.append((given.name, self._run(problem, given, arena)))
+            tried.append((given.name, self._run(problem, given, arena, most)))
         elif is_too_short(problem, problem.n_steps, thorough=False):
             name = NAMES[0]
             tried.append((name, _not_run(problem, make_start(problem, name))))
         else:
-            for i, name in enumerate(NAMES):
-                if i >= self.starts and any(one.status == Status.CONVERGED for _, one in tried):
+            minima: list[str] = []
+            for name in to_try(problem, self.starts, minima):
+                left = most - sum(one.work for _, one in tried)
+                if left <= 0.0:
                     break
-                tried.append((name, self._run(problem, make_start(problem, name), arena)))
+                one = self._run(problem, make_start(problem, name), arena, left)
+                tried.append((name, one))
+                if one.status == Status.CONVERGED:
+                    minima.append(name)
         found = best_of([one for _, one in tried])
         if found.status not in _FEASIBLE and is_too_short(problem, problem.n_steps):
             found = found._replace(status=Status.INFEASIBLE)
         summary = tuple(Tried(name, one.status, one.cost, one.iterations) for name, one in tried)
-        return self._conclude(problem, found, summary, arena, begun)
+        work = sum(one.work for _, one in tried)
+        return self._conclude(problem, found, summary, arena, work, begun)
 
-    def _run(self, problem: AttitudeTransfer, start: Start, arena: Any) -> Found:
-        """Return what one start leads to."""
+    def _run(self, problem: AttitudeTransfer, start: Start, arena: Any, work: float) -> Found:
+        """Return what one start leads to with an amount of work."""
         body, h, N = problem.body.packed, problem.body.time_step, problem.n_steps
         first = np.ascontiguousarray(problem.goal.T @ problem.start).ravel()
-        scales, told = _scales(problem), np.zeros(2)
+        scales, told = _scales(problem), np.zeros(3)
+        passes = work / N
         u, Pi = start.torque.copy(), start.momentum.copy()
         Pi[0], Pi[-1] = problem.start_momentum, problem.goal_momentum
         plan = (u, Pi, -u / h, np.zeros(3))
@@ -127,19 +140,21 @@ class TransferSolver:
         if self.homotopy:
             z = tuple(np.zeros((n, 3)) for n in (N, N, N + 1, N + 1))
             status = interior(
-                body, h, first, scales, problem.limits, self.max_iterations, plan, z, arena, told
-            )
+                body, h, first, scales, problem.limits, self.max_iterations, passes, plan, z, arena,
+                told,
+            )  # fmt: skip
             spent = int(told[0])
             if status != Status.CONVERGED and told[1] > 1e-4:
-                return Found(Status(status), plan, multipliers, sets, spent, float(told[1]))
+                return Found(Status(status), plan, multipliers, sets, spent, *_told(told, N))
             _identify(problem, plan, z, scales, multipliers, sets)
         status = active_set(
-            body, h, first, scales, problem.limits, _POLISH, plan, multipliers, sets, arena, told
-        )
+            body, h, first, scales, problem.limits, _POLISH, passes, plan, multipliers, sets, arena,
+            told,
+        )  # fmt: skip
         if status == Status.CONVERGED and not _curved(problem, sets, scales, arena, 0.0):
             status = Status.SADDLE
         spent += int(told[0])
-        return Found(Status(status), plan, multipliers, sets, spent, float(told[1]))
+        return Found(Status(status), plan, multipliers, sets, spent, *_told(told, N))
 
     def _conclude(
         self,
@@ -147,6 +162,7 @@ class TransferSolver:
         found: Found,
         tried: tuple[Tried, ...],
         arena: Any,
+        work: float,
         begun: float,
     ) -> TransferSolution:
         """Return the solution of the best start, with its certificate."""
@@ -191,6 +207,7 @@ class TransferSolver:
             residuals=residuals,
             min_curvature=curvature,
             iterations=found.iterations,
+            work=work,
             tried=tried,
             reason=reason,
             solve_time=perf_counter() - begun,
@@ -210,6 +227,11 @@ class TransferSolver:
             else:
                 high = middle
         return low
+
+
+def _told(told: Array, n_steps: int) -> tuple[float, float]:
+    """Return error and work, of what the kernels told."""
+    return float(told[1]), n_steps * float(told[2])
 
 
 def _scales(problem: AttitudeTransfer) -> Array:
@@ -253,7 +275,7 @@ def _linearize(problem: AttitudeTransfer, found: Found, arena: Any) -> None:
     first = np.ascontiguousarray(problem.goal.T @ problem.start).ravel()
     active_set(
         problem.body.packed, problem.body.time_step, first, _scales(problem), problem.limits, 0,
-        found.plan, found.multipliers, found.sets, arena, np.zeros(2),
+        math.inf, found.plan, found.multipliers, found.sets, arena, np.zeros(3),
     )  # fmt: skip
 
 
@@ -263,7 +285,7 @@ def _not_run(problem: AttitudeTransfer, start: Start) -> Found:
     plan = (start.torque, start.momentum, -start.torque / problem.body.time_step, np.zeros(3))
     sets = (np.zeros((N, 3), dtype=np.int64), np.zeros((N + 1, 3), dtype=np.int64))
     zeros = (np.zeros((N, 3)), np.zeros((N + 1, 3)))
-    return Found(Status.INFEASIBLE, plan, zeros, sets, 0, math.inf)
+    return Found(Status.INFEASIBLE, plan, zeros, sets, 0, math.inf, 0.0)
 
 
 def _arena(n_steps: int) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -87,6 +88,82 @@ def test_straight_start_on_a_principal_axis_is_no_proof():
     assert plan.converged
     assert plan.cost == pytest.approx(14192.2478, abs=1e-4)
     assert plan.tried[0].status != Status.CONVERGED
+
+
+THE_OTHER_WAY = [
+    # Costs by IPOPT from several starts, as benchmarks/transfer_turns.py.
+    (math.degrees(3.2), (1.0, 0.0, 0.0), 40.0, (30.0, -10.0, 10.0), 6479.179),
+    (175.0, (-1.0, -1.0, -1.0), 40.0, (20.0, 20.0, 20.0), 5918.415),
+]
+
+
+@pytest.mark.parametrize(("degrees", "axis", "seconds", "momentum", "cost"), THE_OTHER_WAY)
+def test_the_other_way_is_taken_where_it_is_cheaper(degrees, axis, seconds, momentum, cost):
+    problem = paper_transfer(degrees, axis, seconds, start_momentum=np.array(momentum))
+    plan = TransferSolver().solve(problem)
+    assert plan.converged
+    assert plan.residuals.largest < 1e-8
+    assert plan.cost == pytest.approx(cost, abs=1e-3)
+    costs = {one.start: one.cost for one in plan.tried}
+    assert costs["other way"] < 0.5 * costs["eigenaxis"]
+    assert TransferSolver(starts=1).solve(problem).cost == pytest.approx(plan.cost, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "axis", "seconds", "momentum", "cost"),
+    [
+        (175.0, (0.0, -1.0, 0.0), 45.0, (0.0, 30.0, 0.0), 6558.8),
+        (170.0, (0.0, -1.0, 0.0), 60.0, (0.0, 40.0, 0.0), 1132.2),
+        (160.0, (0.0, 0.0, -1.0), 50.0, (0.0, 0.0, 40.0), 2911.4),
+        (150.0, (0.0, -1.0, 0.0), 50.0, (0.0, 50.0, 0.0), 4331.8),
+    ],
+)
+def test_the_other_way_about_a_principal_axis(degrees, axis, seconds, momentum, cost):
+    """Straight the other way there is a saddle or nothing; costs by IPOPT, off the axis."""
+    problem = paper_transfer(
+        degrees,
+        axis,
+        seconds,
+        body=RigidBody(BODY.inertia, seconds / 200),
+        n_steps=200,
+        start_momentum=np.array(momentum),
+    )
+    plan = TransferSolver().solve(problem)
+    assert plan.converged
+    assert plan.cost == pytest.approx(cost, abs=0.1)
+    ended = {one.start: one.status for one in plan.tried}
+    assert ended["other way"] != Status.CONVERGED
+
+
+def test_a_short_turn_from_rest_has_one_way():
+    plan = TransferSolver().solve(paper_transfer(90.0, (1.0, 1.0, 1.0), 30.0))
+    assert [one.start for one in plan.tried] == ["eigenaxis", "off axis 1+", "off axis 1-"]
+
+
+def test_a_body_that_spins_need_not_be_stopped():
+    """Almost four turns of coasting: one that coasts costs less than those that stop it."""
+    body = RigidBody(BODY.inertia, 0.2)
+    coast = np.array([0.0, 0.0, 350.0])
+    problem = paper_transfer(
+        60.0, (0.2, 0.1, 1.0), 65.0, body=body, n_steps=325, momentum=None, start_momentum=coast
+    )
+    plan = TransferSolver().solve(problem)
+    assert plan.converged
+    assert plan.cost == min(one.cost for one in plan.tried if one.status == Status.CONVERGED)
+    assert plan.cost < 0.9 * plan.tried[0].cost
+
+
+def test_work_is_bounded_and_told():
+    problem = figure_4()
+    whole = TransferSolver().solve(problem)
+    assert whole.work % problem.n_steps == 0.0
+    passes = whole.work / problem.n_steps
+    assert sum(one.iterations for one in whole.tried) <= passes < 300.0
+    again = TransferSolver().solve(problem, max_work=whole.work)
+    np.testing.assert_array_equal(again.torque, whole.torque)
+    little = TransferSolver().solve(problem, max_work=5.0 * problem.n_steps)
+    assert little.status == Status.MAX_ITERATIONS
+    assert [one.start for one in little.tried] == ["eigenaxis"]
 
 
 def test_plain_algorithm_2_solves_the_paper_s_case():
