@@ -119,7 +119,8 @@ def test_shortest_time_is_the_shortest(capsys: pytest.CaptureFixture[str]) -> No
     assert refused["status"] != "converged"
     (problem,) = refused["problems"]
     assert problem["key"] == f"{PLAN}.duration"
-    assert problem["requirement"].startswith(f"at least {told['duration']:g} s, the shortest found")
+    shortest = f"{told['duration']:g} s is the shortest found"
+    assert problem["requirement"].startswith(f"more: {shortest} (no torque within the bounds")
     code, out, _ = run(capsys, "plan", FIGURE_4, "--shortest")
     assert f"this one: no plan was found in {shorter:g} s" in out
 
@@ -136,6 +137,7 @@ def test_plan_that_stays_where_it_is(tmp_path: Path, capsys: pytest.CaptureFixtu
     code, out, _ = run(capsys, "plan", FIGURE_4, "--shortest", *still)
     assert code == 0
     assert "this one: no plan has fewer steps" in out
+    assert "makes it in less" not in out
 
 
 def test_reserve_is_told(capsys: pytest.CaptureFixture[str]) -> None:
@@ -179,7 +181,7 @@ def test_governor_that_plans(capsys: pytest.CaptureFixture[str], tmp_path: Path)
 REFUSED = {
     "time too short": (
         [f"{PLAN}.duration=10.0"],
-        f"{PLAN}.duration: received 10 s, in which no plan was found; required at least 17.6 s",
+        f"{PLAN}.duration: received 10 s, in which no plan was found; required more: 17.6 s",
     ),
     "zero duration": ([f"{PLAN}.duration=0.0"], f"{PLAN}.duration: received 0.0; required a "),
     "no step": ([f"{PLAN}.duration=0.01"], f"{PLAN}.duration: received 0.01 s; required a whole"),

@@ -117,7 +117,7 @@ def _area(length: Array) -> Array:
 
 
 def shortest_possible_steps(problem: AttitudeTransfer) -> int:
-    """Return the fewest steps that `is_too_short` does not rule out; a lower bound."""
+    """Return the fewest steps that `is_too_short` does not rule out; 2, as a plan has, at least."""
     low, high = 1, 2
     while is_too_short(problem, high):
         low, high = high, 2 * high

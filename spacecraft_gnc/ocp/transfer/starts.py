@@ -126,4 +126,5 @@ def _ends(problem: AttitudeTransfer) -> Array:
 
 def _mean_rate(problem: AttitudeTransfer) -> Vector3:
     """Return the mean of the first and the last angular velocity (3,) [rad/s]."""
-    return np.linalg.solve(problem.body.inertia, _ends(problem)).mean(axis=1)
+    rates = np.linalg.solve(problem.body.inertia, _ends(problem))
+    return np.asarray(rates.mean(axis=1), dtype=np.float64)

@@ -195,7 +195,7 @@ def too_short(scenario: Scenario, solution: TransferSolution) -> Problem:
         need, remedy = f"a transfer within the bounds ({least})", "widen them"
     else:
         time = f"{shortest.problem.duration:.6g} s"
-        need, remedy = f"at least {time}, the shortest found ({least})", "lengthen it"
+        need, remedy = f"more: {time} is the shortest found ({least})", "lengthen it"
         if shortest.problem.n_steps <= problem.n_steps:
             need, remedy = f"a time such as {time}, which was found ({least})", "give that"
         remedy += ", or widen the bounds"

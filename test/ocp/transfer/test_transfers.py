@@ -290,6 +290,16 @@ def test_shortest_transfer_is_no_shorter_than_the_bound():
     assert best.problem.n_steps >= shortest_possible_steps(problem) >= 52
 
 
+def test_shortest_transfer_goes_the_other_way_where_that_is_quicker():
+    problem = paper_transfer(
+        math.degrees(3.2), (1.0, 0.0, 0.0), 40.0, start_momentum=np.array([30.0, -10.0, 10.0])
+    )
+    best = shortest_transfer(problem)
+    assert best.converged
+    assert best.problem.n_steps <= 342  # straight on, 352 are the fewest
+    assert next(one.start for one in best.tried if one.status == Status.CONVERGED) == "other way"
+
+
 @pytest.mark.parametrize("index", range(0, 40, 4))
 def test_second_solve_is_the_same(index):
     problem = random_transfer(index)

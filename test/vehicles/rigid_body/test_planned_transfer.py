@@ -186,7 +186,7 @@ def test_time_too_short_is_told_with_the_shortest_that_is_found(duration, value)
     (problem,) = refused.value.problems
     assert problem.key == "nmpc_controller.plan.duration"
     assert value in f"{problem.value}; "
-    shortest = float(problem.requirement.split()[2])
+    shortest = float(problem.requirement.split()[1])
     assert first_plan(scenario({"duration": shortest})).converged
     with pytest.raises(InvalidScenario):
         first_plan(scenario({"duration": round(shortest - 0.1, 1)}))

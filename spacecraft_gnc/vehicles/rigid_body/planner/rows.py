@@ -123,11 +123,12 @@ def _tried(m: dict[str, Any]) -> Iterator[str]:
 
 
 def _shortest(m: dict[str, Any]) -> Iterator[str]:
-    if m["is_shortest"] and m["steps"] == _FEWEST:
-        yield "this one: no plan has fewer steps"
-    elif m["is_shortest"]:
+    if m["is_shortest"] and m["steps"] > _FEWEST:
         yield f"this one: no plan was found in {m['duration'] - m['period']:.6g} s"
-    yield f"no torque within the bounds makes it in less than {m['shortest_possible']:.6g} s"
+    elif m["is_shortest"]:
+        yield "this one: no plan has fewer steps"
+    if m["shortest_possible"] > (_FEWEST + 0.5) * m["period"]:
+        yield f"no torque within the bounds makes it in less than {m['shortest_possible']:.6g} s"
 
 
 def _labeled(label: str, texts: list[str]) -> list[tuple[str, str]]:
