@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 import shlex
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.cli.main import main
@@ -333,6 +335,38 @@ def test_plot_draws_control_momentum_and_co_states(
         "torque_multipliers", "momentum_multipliers", "attitude",
     }  # fmt: skip
     assert all(Path(file).stat().st_size > 1000 for file in told["files"])
+
+
+def test_picture_tells_its_lines(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The torque is -gamma within its bounds: gamma's lines are theirs with the other sign."""
+    drawn: dict[str, Figure] = {}
+
+    def keep(figures: Iterable[tuple[str, Figure]], *_: object) -> list[Path]:
+        drawn.update(figures)
+        return []
+
+    monkeypatch.setattr("spacecraft_gnc.drawing.figures.save_figures", keep)
+    bounds = changed(f"{PLAN}.torque_bounds=[-30.0, -19.0, -25.0, 30.0, 21.0, 25.0]")
+    file = tmp_path / "plan.npz"
+    assert run(capsys, "plan", FIGURE_4, "-o", file, "-q", *bounds)[0] == 0
+    assert run(capsys, "plot", file, "-q")[0] == 0
+    for name, told in {
+        "overview": ["bound", "while it acts", "no bound: beyond it the torque, "],
+        "co_momentum": ["no bound: beyond it the torque, "],
+        "attitude_co_state": [],
+    }.items():
+        texts = [text.get_text() for one in drawn[name].legends for text in one.get_texts()]
+        assert [text.partition("$")[0] for text in texts] == told
+    _, y, _ = drawn["co_momentum"].axes
+    (low, high) = (float(line.get_ydata()[0]) for line in y.lines[1:])
+    assert (low, high) == (-21.0, 19.0)
+    with np.load(file) as plan:
+        torque, gamma = plan["torque"][:, 1], plan["co_momentum"][:, 1]
+    assert np.allclose(torque, -np.clip(gamma, low, high), atol=1e-6)
+    assert (gamma < low).any()
+    assert (gamma > high).any()
 
 
 @pytest.mark.parametrize(

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import style
-from spacecraft_gnc.drawing.axes import component, frame, legend, legend_below
-from spacecraft_gnc.drawing.axes import limit as draw_limit
+from spacecraft_gnc.drawing.axes import component, frame, legend
 from spacecraft_gnc.drawing.chart import held
 from spacecraft_gnc.drawing.figures import DOUBLE, Maker, stacked
 from spacecraft_gnc.errors import ParameterError
@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 _TRIPLE: Final = (6.3, 6.0)  # [inch]
 _OVERVIEW: Final = (11.0, 7.4)
+_BOUND: Final[dict[str, Any]] = {"color": style.LIMIT_COLOR, "linewidth": 1.1, "linestyle": "--"}
+_ACTING: Final[dict[str, Any]] = {"color": style.LIMIT_COLOR, "linewidth": 6.0, "alpha": 0.3}
+_SATURATION: Final[dict[str, Any]] = {"color": style.INK, "linewidth": 1.1, "linestyle": ":"}
 
 
 class _Vector(NamedTuple):
@@ -35,17 +38,24 @@ class _Vector(NamedTuple):
     unit: str
     values: Callable[[Plan], Array]
     """(N, 3), each held for a control period, or (N+1, 3)."""
-    bounds: slice | None = None
-    """Of `AttitudeTransfer.limits`."""
+    bounds: Callable[[Plan], Array] = lambda _: np.empty((0, 3))
+    """Its lower and upper ones."""
+    saturation: Callable[[Plan], Array] = lambda _: np.empty((0, 3))
+    """Values beyond which the torque is at a bound."""
 
 
 _VECTORS: Final = {
-    "torque": _Vector("Torque", "u", "N m", lambda plan: plan.solution.torque, slice(0, 2)),
+    "torque": _Vector(
+        "Torque", "u", "N m", lambda plan: plan.solution.torque,
+        bounds=lambda plan: plan.torque_bounds,
+    ),
     "momentum": _Vector(
-        "Angular momentum", r"\Pi", "N m s", lambda plan: plan.solution.momentum, slice(2, 4)
+        "Angular momentum", r"\Pi", "N m s", lambda plan: plan.solution.momentum,
+        bounds=lambda plan: plan.momentum_bounds,
     ),
     "co_momentum": _Vector(
-        "Co-momentum", r"\gamma", "N m", lambda plan: plan.solution.co_momentum, slice(0, 2)
+        "Co-momentum", r"\gamma", "N m", lambda plan: plan.solution.co_momentum,
+        saturation=lambda plan: plan.saturation,
     ),
     "attitude_co_state": _Vector(
         "Co-state of the attitude", r"\zeta", "kg m² N m", lambda plan: plan.attitude_co_states
@@ -95,15 +105,29 @@ def _vectors(runs: Sequence[Planned]) -> dict[str, Maker]:
 def _components(runs: Sequence[Planned], vector: _Vector) -> Figure:
     """Return a figure of a vector, a diagram for each component."""
     figure = stacked(_TRIPLE, *(_panel(runs, vector, j) for j in range(3)))
-    _name(figure, runs)
+    with style.applied():
+        _legend(figure, runs, [vector])
     return figure
 
 
-def _name(figure: Figure, runs: Sequence[Planned]) -> None:
-    """Tell several plans apart below the figure."""
+def _legend(figure: Figure, runs: Sequence[Planned], vectors: Sequence[_Vector]) -> None:
+    """Tell below the figure the plans apart, and what its dashed and dotted lines and bands are."""
+    told: list[tuple[str, dict[str, Any]]] = []
     if len(runs) > 1:
-        with style.applied():
-            legend_below(figure.axes[0])
+        told = [(run.name, {"color": _color(i)}) for i, run in enumerate(runs)]
+    plans = [run.trajectory for run in runs]
+    if any(np.isfinite(vector.bounds(plan)).any() for plan in plans for vector in vectors):
+        told.append(("bound", _BOUND))
+    acting = [_VECTORS[one.quantity] for plan in plans for one in plan.solution.active]
+    if any(vector in acting for vector in vectors):
+        told.append(("while it acts", _ACTING))
+    if any(np.isfinite(vector.saturation(plan)).any() for plan in plans for vector in vectors):
+        told.append((r"no bound: beyond it the torque, $-\gamma$, saturates", _SATURATION))
+    if told:
+        lines = [Line2D([], [], label=name, **look) for name, look in told]
+        figure.legend(
+            handles=lines, loc="outside lower center", ncols=min(len(lines), 3), handlelength=2.4
+        )
 
 
 def _overview(runs: Sequence[Planned], title: str) -> Figure:
@@ -118,7 +142,7 @@ def _overview(runs: Sequence[Planned], title: str) -> Figure:
                     grid[j, i].set_xlabel("")
         if title:
             figure.suptitle(title, fontsize=12, fontweight="bold")
-    _name(figure, runs)
+        _legend(figure, runs, [_VECTORS[name] for name in _OF_OVERVIEW])
     return figure
 
 
@@ -126,19 +150,20 @@ def _panel(runs: Sequence[Planned], vector: _Vector, j: int) -> Callable[[Axes],
     """Return what draws a component of every plan, with its bounds."""
 
     def draw(axes: Axes) -> None:
-        is_first = axes is axes.figure.axes[0]  # whose legend is the figure's
         every = [vector.values(run.trajectory) for run in runs]
-        pairs = [_bounds(run.trajectory, vector)[:, j] for run in runs]
-        unit = scaled_unit(vector.unit, *every, *pairs)
+        bounds = [vector.bounds(run.trajectory)[:, j] for run in runs]
+        saturation = [vector.saturation(run.trajectory)[:, j] for run in runs]
+        unit = scaled_unit(vector.unit, *every, *bounds, *saturation)
         for i, (run, values) in enumerate(zip(runs, every, strict=True)):
             color = style.COMPONENT_COLORS[j] if len(runs) == 1 else _color(i)
-            scaled, name = unit.factor * values[:, j], run.name if is_first else None
+            scaled = unit.factor * values[:, j]
             if len(values) == run.trajectory.n_steps:
-                axes.step(run.times, held(scaled), where="post", label=name, color=color)
+                axes.step(run.times, held(scaled), where="post", color=color)
             else:
-                axes.plot(run.times, scaled, label=name, color=color)
-        for value in sorted({float(v) for pair in pairs for v in pair if np.isfinite(v)}):
-            draw_limit(axes, unit.factor * value)
+                axes.plot(run.times, scaled, color=color)
+        for pairs, look in ((bounds, _BOUND), (saturation, _SATURATION)):
+            for value in sorted({float(v) for pair in pairs for v in pair if np.isfinite(v)}):
+                axes.axhline(unit.factor * value, **look)
         for run in runs:
             _mark_active(axes, run, vector, j, unit.factor)
         longest = max(runs, key=lambda run: float(run.times[-1]))
@@ -154,13 +179,8 @@ def _mark_active(axes: Axes, run: Planned, vector: _Vector, j: int, factor: floa
         if vector is _VECTORS[one.quantity] and one.axis == j:
             last = one.last + (one.quantity == "torque")  # held over its last step
             axes.hlines(
-                factor * one.bound, run.times[one.first], run.times[last],
-                color=style.LIMIT_COLOR, alpha=0.3, linewidth=6.0,
+                factor * one.bound, run.times[one.first], run.times[last], **_ACTING
             )  # fmt: skip
-
-
-def _bounds(plan: Plan, vector: _Vector) -> Array:
-    return plan.solution.problem.limits[vector.bounds] if vector.bounds else np.empty((0, 3))
 
 
 def _color(i: int) -> str:

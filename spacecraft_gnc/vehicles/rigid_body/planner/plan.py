@@ -51,6 +51,21 @@ class Plan:
         return np.asarray(self.period * np.arange(self.n_steps), dtype=np.float64)
 
     @property
+    def torque_bounds(self) -> Array:
+        """(2, 3) lower and upper ones [N m]."""
+        return self.solution.problem.limits[:2]
+
+    @property
+    def momentum_bounds(self) -> Array:
+        """(2, 3) lower and upper ones [N m s]."""
+        return self.solution.problem.limits[2:]
+
+    @property
+    def saturation(self) -> Array:
+        """(2, 3) co-momentum beyond which the torque, else -gamma, is at a bound [N m]."""
+        return np.asarray(-self.torque_bounds[::-1])
+
+    @property
     def attitude_co_states(self) -> Array:
         """(N, 3) zeta_k in the frame of the body at the end of step k [kg m^2 N m]."""
         turned = self.solution.attitude[1:]

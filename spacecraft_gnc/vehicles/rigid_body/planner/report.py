@@ -113,25 +113,42 @@ def scaled_unit(unit: str, *values: Array) -> style.Unit:
 
 def _torque(runs: Sequence[Planned], points: int) -> Chart:
     drawn = _by_component(
-        runs, points, lambda plan: held(plan.solution.torque), slice(0, 2), "N m", **HELD
+        runs,
+        points,
+        lambda plan: held(plan.solution.torque),
+        lambda plan: plan.torque_bounds,
+        "N m",
+        **HELD,
     )
     note = "Components in the body frame, held over each control period; dashed: bounds."
     return Chart("torque", "Torque", note, drawn, tall=True)
 
 
 def _momentum(runs: Sequence[Planned], points: int) -> Chart:
-    drawn = _by_component(runs, points, lambda plan: plan.solution.momentum, slice(2, 4), "N m s")
+    drawn = _by_component(
+        runs,
+        points,
+        lambda plan: plan.solution.momentum,
+        lambda plan: plan.momentum_bounds,
+        "N m s",
+    )
     note = "Components in the body frame; dashed: bounds."
     return Chart("momentum", "Angular momentum", note, drawn, tall=True)
 
 
 def _co_momentum(runs: Sequence[Planned], points: int) -> Chart:
     drawn = _by_component(
-        runs, points, lambda plan: held(plan.solution.co_momentum), slice(0, 2), "N m", **HELD
+        runs,
+        points,
+        lambda plan: held(plan.solution.co_momentum),
+        lambda plan: plan.saturation,
+        "N m",
+        beyond="torque saturates beyond",
+        **HELD,
     )
     note = (
-        "Co-state of the momentum, gamma: the torque is -gamma within its bounds (dashed), and the "
-        "bound beyond them."
+        "Co-state of the momentum, gamma, which has no bounds of its own: the torque is -gamma "
+        "between the dashed lines, and saturates where gamma is beyond one."
     )
     return Chart("co_momentum", "Co-momentum", note, drawn, tall=True)
 
@@ -160,12 +177,13 @@ def _by_component(
     runs: Sequence[Planned],
     points: int,
     values: Callable[[Plan], Array],
-    bounds: slice | None,
+    bounds: Callable[[Plan], Array] | None,
     unit: str,
+    beyond: str = "bound",
     **line: Any,
 ) -> dict[str, Any]:
     """Return the figure of a vector, one row for each component, with the bounds of every plan."""
-    pairs = [run.trajectory.solution.problem.limits[bounds] for run in runs] if bounds else []
+    pairs = [bounds(run.trajectory) for run in runs] if bounds else []
     shown = scaled_unit(unit, *(values(run.trajectory) for run in runs), *pairs)
     several = len(runs) > 1
     traces: list[Trace] = []
@@ -179,12 +197,12 @@ def _by_component(
             traces.append(trace(curve, points))
     for j in range(3):
         known = {float(value) for pair in pairs for value in pair[:, j] if np.isfinite(value)}
-        traces += [_bound(runs, j, shown.factor * value) for value in sorted(known)]
+        traces += [_bound(runs, j, shown.factor * value, beyond) for value in sorted(known)]
     return over_time(runs, traces, *(axis(f"{name} [{shown.label}]") for name in AXES))
 
 
-def _bound(runs: Sequence[Planned], row: int, value: float) -> Trace:
-    line = limit(span(runs), (value, value), f"bound {value:g}")
+def _bound(runs: Sequence[Planned], row: int, value: float, text: str) -> Trace:
+    line = limit(span(runs), (value, value), f"{text} {value:g}")
     return {**line, "yaxis": f"y{row + 1}" if row else "y", "showlegend": False}
 
 
