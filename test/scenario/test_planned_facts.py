@@ -58,7 +58,7 @@ def test_a_flight_that_ends_before_its_plan():
         ({"plant.constant_torque": [0.1] * 3}, ()),  # not among the disturbances
         (
             {"plant.disturbances": ["constant"], "plant.constant_torque": [0.1] * 3},
-            ("torque_reserve and momentum_reserve 0 beside constant;",),
+            ("torque_reserve and momentum_reserve 0 beside disturbance constant;",),
         ),
         (
             {

@@ -58,7 +58,8 @@ def _of_reserve(scenario: Scenario) -> list[str]:
         f"{name}_reserve" for name, b in bounds.items() if len(b) and not reserves[name] > 0.0
     ]
     is_another = not np.array_equal(plant.inertia, scenario.controller.inertia)
-    causes = [*plant.disturbances, *(["an inertia other than believed"] if is_another else [])]
+    disturbances = [f"disturbance {name}" for name in plant.disturbances]
+    causes = [*disturbances, *(["an inertia other than believed"] if is_another else [])]
     if not (missing and causes):
         return []
     section = planning_section(scenario)
