@@ -22,7 +22,7 @@ from spacecraft_gnc.types import Matrix3, Vector3
 
 _LONGER: Final = 1.15
 _MOST_DURATIONS: Final = 12
-_MOST_WORK: Final = 1.2e6
+_MOST_WORK: Final = 1e6
 """`TransferSolution.work` of a search, some 0.5 s: no clock, so that flights are repeatable."""
 _PASSES: Final = 250  # of one duration; a transfer that exists takes some 40 from a start
 _TOO_FEW: Final = 40

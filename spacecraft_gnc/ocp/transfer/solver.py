@@ -52,7 +52,7 @@ class TransferSolver:
     tolerance : float
         Largest residual of (5.6)-(5.8), relative to the units of torque and momentum.
     max_iterations : int
-        Newton steps of the homotopy.
+        Newton steps of the homotopy. Starts that lead to a minimum take 15 to 80.
 
     Raises
     ------
@@ -63,7 +63,7 @@ class TransferSolver:
     starts: int = 3
     homotopy: bool = True
     tolerance: float = 1e-8
-    max_iterations: int = 150
+    max_iterations: int = 80
 
     def __post_init__(self) -> None:
         as_count("starts", self.starts, most=len(NAMES))
