@@ -10,8 +10,8 @@ from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.ocp.transfer import TransferSolver
 from spacecraft_gnc.ocp.transfer.starts import make_start
 from spacecraft_gnc.scenario import from_sections
-from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
-from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan, transfer_of
+from spacecraft_gnc.vehicles.rigid_body.planner.file import save_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import first_plan, transfer_of
 
 
 def test_governor_that_flew_the_plan_of_a_file_passes(tmp_path):

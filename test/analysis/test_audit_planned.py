@@ -26,11 +26,11 @@ from spacecraft_gnc.ocp.transfer import TransferSolver
 from spacecraft_gnc.ocp.transfer.starts import STRAIGHT, make_start
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.status import Status
-from spacecraft_gnc.vehicles.rigid_body import plan_keeper
 from spacecraft_gnc.vehicles.rigid_body.controllers.planned.controller import PlannedController
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
-from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
-from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan, transfer_of
+from spacecraft_gnc.vehicles.rigid_body.planner import keeper as plan_keeper
+from spacecraft_gnc.vehicles.rigid_body.planner.file import save_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import first_plan, transfer_of
 
 STEPS = 120
 

@@ -9,7 +9,7 @@ from browser import WINDOW, console_errors, requested_urls, wait_until
 from transfer_cases import figure_4, paper_transfer
 
 from spacecraft_gnc.ocp.transfer import TransferSolver
-from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.file import save_plan
 
 CURVES = """
 return document.getElementById(arguments[0])._fullData.map(

@@ -13,10 +13,11 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.scenario import load
-from spacecraft_gnc.vehicles.rigid_body import plan_series, series
+from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.metrics.rows import summary_rows
 from spacecraft_gnc.vehicles.rigid_body.pictures.figures import flight_makers, record_makers
-from spacecraft_gnc.vehicles.rigid_body.recorded_plans import RecordedPlan, as_flown
+from spacecraft_gnc.vehicles.rigid_body.planner import series as plan_series
+from spacecraft_gnc.vehicles.rigid_body.planner.recorded import RecordedPlan, as_flown
 from spacecraft_gnc.vehicles.rigid_body.report import REPORT
 from spacecraft_gnc.vehicles.rigid_body.telemetry import computed
 
@@ -153,7 +154,7 @@ def test_the_error_off_the_plan_is_the_angle_to_what_was_planned(replanned):
     """Rolled out from the first plan's torque, as long as it is flown."""
     first = load("phogat_figure4", OTHER_BODY)
     from spacecraft_gnc.ocp.transfer import TransferSolver
-    from spacecraft_gnc.vehicles.rigid_body.transfer import transfer_of
+    from spacecraft_gnc.vehicles.rigid_body.planner.transfer import transfer_of
 
     plan = TransferSolver().solve(transfer_of(first))
     n = int(np.argmax(replanned.plan > 0))

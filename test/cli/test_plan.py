@@ -16,7 +16,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.scenario import load
-from spacecraft_gnc.vehicles.rigid_body.plan_file import load_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.file import load_plan
 
 FIGURE_4 = "phogat_figure4"
 REFERENCE = 20965.95496

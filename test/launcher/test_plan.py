@@ -13,8 +13,8 @@ import pytest
 from spacecraft_gnc.launcher.environment import MiddlewareMissing
 from spacecraft_gnc.launcher.plan import LaunchRefused, make_plan
 from spacecraft_gnc.scenario import InvalidScenario, from_sections, load, read_sections
-from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
-from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.file import save_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import first_plan
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
 

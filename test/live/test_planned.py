@@ -17,7 +17,7 @@ from spacecraft_gnc.analysis.run_info import RunInfo
 from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.vehicles.rigid_body.live import LIVE
-from spacecraft_gnc.vehicles.rigid_body.live_plan import common
+from spacecraft_gnc.vehicles.rigid_body.planner.live import common
 
 
 @pytest.fixture(scope="module")

@@ -103,6 +103,8 @@ def _is_out_of_reach(turn: Vector3, axis: Vector3, turned: Array) -> bool:
     longest = float(turned[-2]) * _SURE
     if longest < swing:
         return True
+    if longest >= 2.0 * math.pi:  # a loop of that length encloses any area
+        return False
     edges = np.linspace(swing, longest, _LENGTHS + 1)
     # On each interval, the largest of what decreases with L and of what increases.
     directly = (turned[:-2, None] - _WEIGHTS[:, None] * edges[:-1]).min(axis=0)

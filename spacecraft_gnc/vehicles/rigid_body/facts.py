@@ -9,8 +9,8 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.governors.laws import STORED, TURNING
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import first_plan, plans, real_limits
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, reservation
-from spacecraft_gnc.vehicles.rigid_body.transfer import first_plan, plans, real_limits
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 
 

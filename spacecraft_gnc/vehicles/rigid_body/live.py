@@ -27,7 +27,7 @@ from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.drawing.zones import pointing_margin_deg
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.status import Status
-from spacecraft_gnc.vehicles.rigid_body import live_plan
+from spacecraft_gnc.vehicles.rigid_body.planner import live as live_plan
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 _METHOD: Final = source_name(Source.METHOD)

@@ -7,9 +7,13 @@ from typing import Any, Final
 
 import numpy as np
 
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import (
+    plan_parameters,
+    planning_section,
+    plans,
+)
 from spacecraft_gnc.vehicles.rigid_body.prediction import Prediction, predict
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
-from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters, planning_section, plans
 from spacecraft_gnc.vehicles.vehicle import Outlook
 
 LARGEST_EXCESS: Final = 1e-3

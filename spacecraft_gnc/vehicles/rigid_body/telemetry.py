@@ -12,7 +12,7 @@ from spacecraft_gnc.recording.columns import Columns, read_columns
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
-from spacecraft_gnc.vehicles.rigid_body.recorded_plans import RecordedPlan, plans_of
+from spacecraft_gnc.vehicles.rigid_body.planner.recorded import RecordedPlan, plans_of
 from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, INVARIANTS, SOLVER_STATUS
 
 if TYPE_CHECKING:

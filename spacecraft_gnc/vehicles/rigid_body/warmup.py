@@ -15,7 +15,7 @@ from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
 from spacecraft_gnc.vehicles.rigid_body.controllers.methods import METHODS
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import problem_of
 from spacecraft_gnc.vehicles.rigid_body.governors.laws import ATTITUDE
-from spacecraft_gnc.vehicles.rigid_body.planner import PLANNER
+from spacecraft_gnc.vehicles.rigid_body.planner.planner import PLANNER
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 

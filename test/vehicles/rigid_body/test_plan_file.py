@@ -12,7 +12,7 @@ from spacecraft_gnc.analysis.plan_file import vehicle_in
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.ocp.transfer import TransferSolver
-from spacecraft_gnc.vehicles.rigid_body.plan_file import difference, load_plan, save_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.file import difference, load_plan, save_plan
 
 
 @pytest.fixture(scope="module")

@@ -12,8 +12,8 @@ from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 from spacecraft_gnc.scenario.recorded import parse_scenario
 from spacecraft_gnc.status import Status
-from spacecraft_gnc.vehicles.rigid_body.plan_file import save_plan
-from spacecraft_gnc.vehicles.rigid_body.transfer import (
+from spacecraft_gnc.vehicles.rigid_body.planner.file import save_plan
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import (
     first_plan,
     plan_parameters,
     planned_limits,

@@ -17,8 +17,8 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit.matrices import hats, times, transposed
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import plan_parameters, real_limits
 from spacecraft_gnc.vehicles.rigid_body.scenario import known_inertia
-from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters, real_limits
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario

@@ -16,8 +16,8 @@ from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit.told_plan import governor_of
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import makes_plans
 from spacecraft_gnc.vehicles.rigid_body.signals import STATE
-from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Evidence, Progress

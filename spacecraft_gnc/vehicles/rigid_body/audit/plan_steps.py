@@ -22,8 +22,8 @@ from spacecraft_gnc.types import Array, Matrix3
 from spacecraft_gnc.vehicles.rigid_body.audit.believed import Believed
 from spacecraft_gnc.vehicles.rigid_body.audit.matrices import transposed, vee
 from spacecraft_gnc.vehicles.rigid_body.audit.transfers import Told
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import plan_parameters
 from spacecraft_gnc.vehicles.rigid_body.signals import PLAN_STATUS, STATE
-from spacecraft_gnc.vehicles.rigid_body.transfer import plan_parameters
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario

@@ -26,13 +26,13 @@ from spacecraft_gnc.vehicles.rigid_body.audit.transfers import (
     TransferAudit,
     read_told,
 )
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import makes_plans, plans
 from spacecraft_gnc.vehicles.rigid_body.signals import (
     ATTITUDE_PLAN,
     PLAN_STATUS,
     STATE,
     TORQUE,
 )
-from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans, plans
 
 KEPT: Final = "command = what the tracking asks for, within the bounds"
 ROUNDING: Final = 1e-9

@@ -19,8 +19,8 @@ from spacecraft_gnc.ocp.transfer.conditions import Residuals
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.vehicles.rigid_body.audit.transfers import Told, read_told
 from spacecraft_gnc.vehicles.rigid_body.governors.laws import PLANNED
-from spacecraft_gnc.vehicles.rigid_body.plan_keeper import guard_of, keeper_of
-from spacecraft_gnc.vehicles.rigid_body.transfer import transfer_of
+from spacecraft_gnc.vehicles.rigid_body.planner.keeper import guard_of, keeper_of
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import transfer_of
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Evidence

@@ -25,12 +25,12 @@ from spacecraft_gnc.vehicles.rigid_body.audit.transfer_conditions import (
     first_order,
 )
 from spacecraft_gnc.vehicles.rigid_body.audit.transfer_curvature import is_curved
-from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, STATE
-from spacecraft_gnc.vehicles.rigid_body.transfer import (
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import (
     plan_parameters,
     planned_limits,
     planned_steps,
 )
+from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, STATE
 
 if TYPE_CHECKING:
     from spacecraft_gnc.audit.evidence import Progress

@@ -103,7 +103,7 @@ def planned(scenario: Scenario) -> PlannedGovernor:
         If a parameter is refused, or no plan is found from the start to the target.
     """
     from spacecraft_gnc.governors.planned.governor import PlannedGovernor
-    from spacecraft_gnc.vehicles.rigid_body.plan_keeper import guard_of, keeper_of
+    from spacecraft_gnc.vehicles.rigid_body.planner.keeper import guard_of, keeper_of
 
     return PlannedGovernor(keeper_of(scenario, guard_of(scenario)))
 

@@ -12,7 +12,7 @@ import numpy as np
 from spacecraft_gnc.audit.limits import Exceedance, beyond
 from spacecraft_gnc.drawing.zones import pointing_margin_deg
 from spacecraft_gnc.types import Array, as_actuators
-from spacecraft_gnc.vehicles.rigid_body.transfer import plans, real_limits
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import plans, real_limits
 
 if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario

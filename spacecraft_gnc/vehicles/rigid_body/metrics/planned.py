@@ -8,7 +8,8 @@ import numpy as np
 
 from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body import plan_series, series
+from spacecraft_gnc.vehicles.rigid_body import series
+from spacecraft_gnc.vehicles.rigid_body.planner import series as plan_series
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight

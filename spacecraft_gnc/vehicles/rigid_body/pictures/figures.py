@@ -13,10 +13,11 @@ from spacecraft_gnc.drawing import representations as forms
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.figures import DOUBLE, SINGLE, Draw, Maker, stacked
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body import plan_series, series
+from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
 from spacecraft_gnc.vehicles.rigid_body.pictures import plan as plan_panels
 from spacecraft_gnc.vehicles.rigid_body.pictures import telemetry as telemetry_panels
+from spacecraft_gnc.vehicles.rigid_body.planner import series as plan_series
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight

@@ -11,10 +11,11 @@ from spacecraft_gnc.drawing.axes import component, frame, legend, logarithmic
 from spacecraft_gnc.drawing.axes import limit as draw_limit
 from spacecraft_gnc.drawing.chart import held
 from spacecraft_gnc.drawing.marks import draw_marks
-from spacecraft_gnc.vehicles.rigid_body import plan_series, series
+from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.pictures import motion as panels
+from spacecraft_gnc.vehicles.rigid_body.planner import series as plan_series
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
-from spacecraft_gnc.vehicles.rigid_body.recorded_plans import as_flown
+from spacecraft_gnc.vehicles.rigid_body.planner.recorded import as_flown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -31,10 +31,10 @@ from spacecraft_gnc.drawing.traces import (
     trace,
 )
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body import plan_series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
+from spacecraft_gnc.vehicles.rigid_body.planner import series as plan_series
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
-from spacecraft_gnc.vehicles.rigid_body.recorded_plans import as_flown
+from spacecraft_gnc.vehicles.rigid_body.planner.recorded import as_flown
 
 _FAINT: Final = {"width": 5.0}
 _NOTE: Final = " Broad and faint: as planned. Dotted: bounds of the plan, less its reserve."

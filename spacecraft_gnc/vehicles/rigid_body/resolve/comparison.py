@@ -9,7 +9,7 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.metrics.summary import summarize
-from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import makes_plans
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight

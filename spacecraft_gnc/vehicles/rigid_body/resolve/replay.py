@@ -22,8 +22,8 @@ from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.replay import complete_steps, require_period
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import plan_of, solution_of
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import makes_plans
 from spacecraft_gnc.vehicles.rigid_body.resolve.prices import Price, Pricing
-from spacecraft_gnc.vehicles.rigid_body.transfer import makes_plans
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight

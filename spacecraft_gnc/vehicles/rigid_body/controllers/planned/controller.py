@@ -9,7 +9,7 @@ from spacecraft_gnc.loop.protocols import Command, Reference, State
 from spacecraft_gnc.vehicles.rigid_body.controllers.planned.tracking import tracking_of
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import SolveReport
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
-from spacecraft_gnc.vehicles.rigid_body.plan_keeper import guard_of, keeper_of
+from spacecraft_gnc.vehicles.rigid_body.planner.keeper import guard_of, keeper_of
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 

@@ -204,7 +204,7 @@ def too_short(scenario: Scenario, solution: TransferSolution) -> Problem:
 
 def _stored(scenario: Scenario, problem: AttitudeTransfer, name: str) -> TransferSolution:
     """Return the plan of a file; its path in a scenario's file is relative to that."""
-    from spacecraft_gnc.vehicles.rigid_body.plan_file import difference, load_plan
+    from spacecraft_gnc.vehicles.rigid_body.planner.file import difference, load_plan
 
     path = (Path(scenario.path).parent / name).absolute()
     try:

@@ -12,12 +12,12 @@ from spacecraft_gnc.governors.planned.guard import BoundGuard
 from spacecraft_gnc.governors.planned.keeper import PlanKeeper
 from spacecraft_gnc.ocp.transfer import TransferSolution, TransferSolver
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
-from spacecraft_gnc.vehicles.rigid_body.transfer import (
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import (
     first_plan,
     plan_parameters,
     real_limits,
 )
+from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario, known_inertia
 
 _HELD: Final = 0.5
 """Share of the reserve of the momentum that the guard leaves to what is not known."""

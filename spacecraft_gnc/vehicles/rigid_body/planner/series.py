@@ -14,7 +14,7 @@ from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES
-from spacecraft_gnc.vehicles.rigid_body.transfer import planned_limits, plans, real_limits
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import planned_limits, plans, real_limits
 
 if TYPE_CHECKING:
     from spacecraft_gnc.loop.flight import Flight

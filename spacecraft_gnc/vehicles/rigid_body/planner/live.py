@@ -11,7 +11,7 @@ import numpy as np
 from spacecraft_gnc.drawing.live import INK, Panel, Readout, Series, number, small
 from spacecraft_gnc.governors.planned.report import Phase
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.rigid_body.plan_series import LEAST_DEG, bounds_of, phase_name
+from spacecraft_gnc.vehicles.rigid_body.planner.series import LEAST_DEG, bounds_of, phase_name
 from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 FIELDS: Final = {"plan_step": "plan_status/plan_step"}
