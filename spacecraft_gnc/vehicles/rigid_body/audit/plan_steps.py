@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.rigid_body.scenario import Scenario
 
 PAUSE: Final = 10
-"""Steps from a search without success to the next one."""
+"""Steps from a first search without success to the next one; they double with each further one."""
 ELSEWHERE: Final = math.radians(1.0)
 """Error [rad] at which a flight starts elsewhere than planned, where no other one is given."""
 SAME: Final = 1e-9
@@ -162,7 +162,8 @@ class _Follower:
         self._targets = targets
         self._plan: Told | None = None
         self._search: _Search | None = None
-        self._failed, self._next_search = False, 0
+        self._target: Matrix3 | None = None
+        self._failed, self._next_search, self._pause = False, 0, PAUSE
 
     def enter(self, evidence: Evidence, ledger: Ledger, steps: NDArray[np.int64]) -> None:
         """Compare plans and phases with those that are due."""
@@ -179,11 +180,14 @@ class _Follower:
     def _take(self, step: int, phase: int) -> bool:
         """Take the plan of a step; return whether it was due."""
         told, search, target = self._plans.get(step), self._search, self._targets.get(step)
-        if search is not None and target is not None and not _same(search.goal, target):
-            search = self._search = None
+        if target is not None:
+            if self._target is not None and not _same(self._target, target):
+                search = self._search = None
+                self._failed, self._pause = False, PAUSE
+            self._target = target
         if told is not None and told.cause == Cause.START:
             due = told.number == 0 and told.first_step == step
-            self._search, self._failed, self._next_search = None, False, 0
+            self._search, self._failed, self._pause = None, False, PAUSE
         elif search is None or step < search.first_step:
             due = told is None
         elif told is not None:
@@ -191,11 +195,12 @@ class _Follower:
             due = (told.number, told.first_step, told.cause) == (
                 number + 1, search.first_step, search.cause,
             )  # fmt: skip
-            self._search, self._failed = None, False
+            self._search, self._failed, self._pause = None, False, PAUSE
         else:
             due = True
             if self._waits or phase != Phase.REPLANNING:  # what is not found in time may come later
-                self._search, self._failed, self._next_search = None, True, step + PAUSE
+                self._search, self._failed, self._next_search = None, True, step + self._pause
+                self._pause *= 2
         self._plan = told or self._plan
         return due
 
