@@ -21,12 +21,16 @@ from spacecraft_gnc.drawing.chart import (
     span,
     times_of,
 )
-from spacecraft_gnc.drawing.table import Row
+from spacecraft_gnc.drawing.table import NOTHING, Row
 from spacecraft_gnc.drawing.traces import Curve, Trace, axis, component_line, limit, run_line, trace
 from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES, Plan
-from spacecraft_gnc.vehicles.rigid_body.planner.rows import active_texts, bounds_text
+from spacecraft_gnc.vehicles.rigid_body.planner.rows import (
+    active_texts,
+    bounds_text,
+    proves_a_time,
+)
 
 _NOTHING: Final = 1e-12  # [N^2 m^2] cost of a plan that stays where it is, at most
 
@@ -47,6 +51,10 @@ def _bounds(name: str) -> Callable[[Planned], str]:
     return lambda run: bounds_text(run.metrics[name]).replace("+-", "±")
 
 
+def _proven(run: Planned) -> str:
+    return f"{run.metrics['shortest_possible']:.6g} s" if proves_a_time(run.metrics) else NOTHING
+
+
 def _starts(run: Planned) -> str:
     tried, cost = run.metrics["tried"], run.metrics["cost"]
     most = cost * (1.0 + 1e-6) + _NOTHING
@@ -61,7 +69,7 @@ ROWS: Final = (
     Row("Duration", "duration", "s", 8),
     Row("Control steps", "steps"),
     Row("Control period", "period", "s"),
-    Row("No torque makes it in less than", "shortest_possible", "s", 8),
+    Row("No torque makes it in less than", "shortest_possible", text=_proven),
     Row("Torque bounds [N m]", text=_bounds("torque_bounds")),
     Row("Momentum bounds [N m s]", text=_bounds("momentum_bounds")),
     Row("Bounds that act", text=_active),

@@ -122,12 +122,17 @@ def _tried(m: dict[str, Any]) -> Iterator[str]:
         yield f"{one['start']}: {one['status']}{cost}{steps}"
 
 
+def proves_a_time(m: dict[str, Any]) -> bool:
+    """Tell whether a time is proven too short: more than the two steps that every plan has."""
+    return bool(m["shortest_possible"] > (_FEWEST + 0.5) * m["period"])
+
+
 def _shortest(m: dict[str, Any]) -> Iterator[str]:
     if m["is_shortest"] and m["steps"] > _FEWEST:
         yield f"this one: no plan was found in {m['duration'] - m['period']:.6g} s"
     elif m["is_shortest"]:
         yield "this one: no plan has fewer steps"
-    if m["shortest_possible"] > (_FEWEST + 0.5) * m["period"]:
+    if proves_a_time(m):
         yield f"no torque within the bounds makes it in less than {m['shortest_possible']:.6g} s"
 
 
