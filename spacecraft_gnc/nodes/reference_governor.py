@@ -74,12 +74,13 @@ class GovernorNode(GncNode):
         self._seams = Seams.among(self._signals)
         self._outputs = outputs_of(scenario)
         self._steers_attitude = self._seams.reference.type == REFERENCE.type
-        parameters = scenario.governor
-        self._tolerances = (
-            math.radians(parameters.slew_tolerance_deg),
-            parameters.slew_rate_tolerance,
-        )
-        self._watch = GovernorWatch(*self._tolerances)
+        if self._steers_attitude:
+            parameters = scenario.governor
+            self._tolerances = (
+                math.radians(parameters.slew_tolerance_deg),
+                parameters.slew_rate_tolerance,
+            )
+            self._watch = GovernorWatch(*self._tolerances)
         self._step = self._received_step = _NEVER
 
     def open(self) -> None:
@@ -102,7 +103,8 @@ class GovernorNode(GncNode):
         if self._worker is not None:
             self._worker.require_end("decision")
         self._governor.reset()
-        self._watch.reset()
+        if self._steers_attitude:
+            self._watch.reset()
         self._step = self._received_step = _NEVER
         self._waiting: _Received | None = None
         self._taken: Any = None
@@ -164,7 +166,9 @@ class GovernorNode(GncNode):
         except Refused as error:
             self.refuse(target, str(error))
             return
-        self._set_target(wanted.attitude, self._on_target_answered)
+        if self._steers_attitude:
+            wanted = wanted.attitude
+        self._set_target(wanted, self._on_target_answered)
 
     def _on_target_answered(self, refusal: GncError | None) -> None:
         target = self._seams.target

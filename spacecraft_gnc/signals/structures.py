@@ -29,6 +29,7 @@ TIME: Final = "builtin_interfaces/Time"
 VECTOR3: Final = "geometry_msgs/Vector3"
 QUATERNION: Final = "geometry_msgs/Quaternion"
 POSE: Final = "geometry_msgs/Pose"
+WRENCH: Final = "geometry_msgs/Wrench"
 
 _DEFINITIONS: Final = """
 builtin_interfaces/Time: int32 sec, uint32 nanosec
@@ -39,6 +40,7 @@ geometry_msgs/Point: float64 x, float64 y, float64 z
 geometry_msgs/Vector3: float64 x, float64 y, float64 z
 geometry_msgs/Quaternion: float64 x, float64 y, float64 z, float64 w
 geometry_msgs/Pose: geometry_msgs/Point position, geometry_msgs/Quaternion orientation
+geometry_msgs/Wrench: geometry_msgs/Vector3 force, geometry_msgs/Vector3 torque
 diagnostic_msgs/KeyValue: string key, string value
 diagnostic_msgs/DiagnosticStatus: byte level, string name, string message, string hardware_id,
     diagnostic_msgs/KeyValue[] values

@@ -1,0 +1,1 @@
+"""Deputy spacecraft that docks with a tumbling chief."""

@@ -1,0 +1,1 @@
+"""Governor laws of the docking vehicle."""
