@@ -90,6 +90,7 @@ setup(
     python_requires=">=3.10",
     # What the core needs. ROS 2 is an extra: everything below nodes/ works without it.
     install_requires=[
+        "daqp>=0.11",
         "matplotlib>=3.8",
         "mcap>=1.2",
         "numba>=0.61",
