@@ -113,7 +113,7 @@ class BodyParameters(PlantHost):
         1.0,
         "limit of each component of the force",
         unit="N",
-        minimum=0.0,
+        above=0.0,
         maximum=LARGEST,
     )
     max_moment: float = parameter(
@@ -121,7 +121,7 @@ class BodyParameters(PlantHost):
         0.05,
         "limit of each component of the moment",
         unit="N m",
-        minimum=0.0,
+        above=0.0,
         maximum=LARGEST,
     )
     saturates: bool = parameter(

@@ -1,0 +1,137 @@
+"""Geometry of two cuboids, and the wrench that holds one at the other, without kernels.
+
+Everything is in the chief frame, of which the chief's center of mass is the origin.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc import lie
+from spacecraft_gnc.types import Array, Matrix3, Vector3
+
+PHASES: Final = 360
+"""Attitudes of the chief in a rotation at which a hold is evaluated."""
+_CORNERS: Final = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
+_SCANNED: Final = 400
+_HALVINGS: Final = 60
+
+
+class Pose(NamedTuple):
+    """Where the deputy is."""
+
+    port_offset: Vector3
+    """(3,) deputy port minus chief port [m]."""
+    rotation_vector: Vector3
+    """(3,) of its attitude, deputy to chief [rad]."""
+
+    @property
+    def attitude(self) -> Matrix3:
+        """(3, 3) rotation, deputy to chief."""
+        return lie.exp(self.rotation_vector)
+
+
+DOCKED: Final = Pose(np.zeros(3), np.zeros(3))
+
+
+class Limits(NamedTuple):
+    """Bounds that a held deputy may use."""
+
+    force: float
+    """[N]"""
+    moment: float
+    """[N m]"""
+
+
+def center_of(plant: Any, pose: Pose) -> Vector3:
+    """Return the deputy's center of mass (3,) [m]."""
+    center: Vector3 = plant.chief_port + pose.port_offset - pose.attitude @ plant.deputy_port
+    return center
+
+
+def line_of_sight_margins(plant: Any, port_offset: Vector3) -> Array:
+    """Return by how much y and z (2,) are within the line-of-sight pyramid [m]."""
+    slope = math.tan(math.radians(plant.line_of_sight_half_angle_deg))
+    room = slope * port_offset[0] + plant.line_of_sight_slack
+    return np.asarray(room - np.abs(port_offset[1:]))
+
+
+def clearance(plant: Any, pose: Pose) -> float:
+    """Return how far the deputy's nearest vertex is from the plane of the docking face [m]."""
+    vertices = center_of(plant, pose) + (_CORNERS * plant.deputy_size) @ pose.attitude.T
+    return float(vertices[:, 0].min() - plant.chief_size[0] / 2.0)
+
+
+def hold_wrench(plant: Any, pose: Pose, spin_rate: float | None = None) -> Array:
+    """Return force and moment (n, 6) that hold the deputy over a rotation of the chief.
+
+    With Omega the inertial rate of the chief and G the gradient of relative gravity:
+    F = m (Omega' x r + Omega x (Omega x r) - G r), M = J Omega' + Omega x J Omega.
+
+    Parameters
+    ----------
+    plant : PlantParameters
+    pose : Pose
+        Which is held, at rest in the chief frame.
+    spin_rate : float, optional
+        Instead of the plant's [rad/s].
+
+    Returns
+    -------
+    (n, 6) array
+        About the center of mass [N], [N m], at `PHASES` attitudes, one of a chief that is at rest.
+
+    **Assumptions**: relative gravity is linear (Clohessy and Wiltshire).
+    """
+    rate = plant.chief_spin_rate if spin_rate is None else spin_rate
+    n, center = plant.mean_motion, center_of(plant, pose)
+    inertia = pose.attitude @ plant.inertia @ pose.attitude.T
+    axis = plant.chief_spin_axis / np.linalg.norm(plant.chief_spin_axis)
+    first = lie.exp(plant.chief_initial_rotation_vector)
+    turns = np.linspace(0.0, 2.0 * math.pi, PHASES, endpoint=False) if rate else np.zeros(1)
+    hat, (sine, cosine) = lie.hat(axis), (f(turns)[:, None, None] for f in (np.sin, np.cos))
+    chief = (np.eye(3) + sine * hat + (1.0 - cosine) * hat @ hat) @ first
+    radial, normal, spin = chief[:, 0], chief[:, 2], rate * (first.T @ axis)
+    omega = spin + n * normal
+    omega_dot = -np.cross(spin, n * normal)
+    gravity = n**2 * (3.0 * (radial @ center)[:, None] * radial - center)
+    force = np.cross(omega_dot, center) + np.cross(omega, np.cross(omega, center)) - gravity
+    moment = omega_dot @ inertia + np.cross(omega, omega @ inertia)
+    if plant.gravity_gradient:
+        moment = moment - 3.0 * n**2 * np.cross(radial, radial @ inertia)
+    return np.hstack([plant.mass * force, moment])
+
+
+def use_of(limits: Limits, wrench: Array) -> tuple[float, float]:
+    """Return the largest components of force and moment as shares of their limits."""
+    largest = np.abs(wrench).max(axis=0)
+    return float(largest[:3].max() / limits.force), float(largest[3:].max() / limits.moment)
+
+
+def largest_spin_rate(plant: Any, pose: Pose, limits: Limits) -> float | None:
+    """Return the largest rate, up to the plant's, at which a pose is held [rad/s].
+
+    None: even a chief that does not rotate in Hill's frame takes more than the limits.
+    """
+
+    def holds(rate: float) -> bool:
+        return max(use_of(limits, hold_wrench(plant, pose, rate))) <= 1.0
+
+    top = float(plant.chief_spin_rate)
+    if holds(top):
+        return top
+    fails = top
+    for rate in np.append(np.geomspace(top, top * 1e-6, _SCANNED)[1:], 0.0).tolist():
+        if holds(rate):
+            break
+        fails = rate
+    else:
+        return None
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (rate + fails)
+        rate, fails = (middle, fails) if holds(middle) else (rate, middle)
+    return float(rate)
