@@ -146,8 +146,8 @@ def _section(vehicle: Vehicle, name: str) -> str:
     rows = schema.declarations(name, elements)
     title = f"## `{name}`"
     if vehicle is not VEHICLE:
-        shared = {s for host in HOSTS[name] for s in dict(specs_of(host)) if s not in _NAMES}
-        rows = tuple(row for row in rows if row.name not in shared)
+        shared = {key: spec for host in HOSTS[name] for key, spec in specs_of(host)}
+        rows = tuple(row for row in rows if row.name in _NAMES or shared.get(row.name) != row.spec)
         title = f"### `{name}` of `{vehicle.name}`"
     lines = [
         f"{title}\n",
@@ -170,13 +170,17 @@ def _type(spec: ParameterSpec) -> str:
 
 
 def _default(spec: ParameterSpec) -> str:
-    return "required" if spec.required else spec.formula or f"`{spec.default}`"
+    return (
+        "required"
+        if spec.required
+        else spec.formula or f"`{spec.default if spec.default != '' else repr('')}`"
+    )
 
 
 def _admissible(spec: ParameterSpec, vehicle: Vehicle) -> str:
     words = []
     if spec.choices:
-        words.append(", ".join(spec.choices))
+        words.append(spec.listed_choices)
     if spec.plugins:
         words.append(", ".join(registry.own_names(spec.plugins, vehicle)) + " or a plug-in")
     if spec.matrix is not MatrixRule.NONE:

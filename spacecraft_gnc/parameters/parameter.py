@@ -153,13 +153,18 @@ class ParameterSpec:
         return f"{text} [{self.unit}]" if self.unit else text
 
     @property
+    def listed_choices(self) -> str:
+        """The choices in words; the empty one in quotes."""
+        return ", ".join(choice or "''" for choice in self.choices)
+
+    @property
     def requirement(self) -> str:
         """Everything that is required of a value, in words."""
         parts = [self.type_text]
         if self.range_text:
             parts.append(self.range_text)
         if self.choices:
-            parts.append(f"out of {', '.join(self.choices)}")
+            parts.append(f"out of {self.listed_choices}")
         return ", ".join(parts)
 
 

@@ -182,7 +182,7 @@ def _check_words(spec: ParameterSpec, items: list[Any]) -> None:
     for index, item in enumerate(items):
         word = item.rpartition("/")[2] if spec.paths else item
         if spec.choices and word not in spec.choices:
-            requirement = f"one of {', '.join(spec.choices)}"
+            requirement = f"one of {spec.listed_choices}"
             raise Refusal(shown(item), requirement, suggestion(item, spec.choices))
         if spec.unique and item in items[:index]:
             raise Refusal(shown(items), "each element once", f"remove the second {item!r}")
