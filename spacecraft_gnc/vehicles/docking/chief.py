@@ -76,11 +76,6 @@ class ChiefMotion:
         return float(np.cbrt(EARTH / self.mean_motion**2))
 
     @property
-    def is_steady(self) -> bool:
-        """Whether Omega is constant: at rest, or about the orbit normal."""
-        return not (self.spin_rate and np.any(self.spin_axis[:2]))
-
-    @property
     def packed(self) -> Array:
         """(18,) for `_motion_kernels`, with a port at the origin and linear gravity."""
         numbers = [self.mean_motion, 0.0, *self.spin_axis, self.spin_rate]

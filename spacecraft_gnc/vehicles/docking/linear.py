@@ -90,7 +90,8 @@ def linearize(motion: RelativeMotion, period: int) -> LinearMotion:
     motion : RelativeMotion
         Deputy and chief. Gravity is linear in the model in any case.
     period : int
-        Number p of control periods that the rotation of the chief takes; 1 where it is steady.
+        Number p of control periods that the rotation of the chief takes; 1 where it does not
+        rotate in Hill's frame.
 
     Returns
     -------
@@ -98,7 +99,8 @@ def linearize(motion: RelativeMotion, period: int) -> LinearMotion:
         From the variational equations, integrated by the classical method of fourth order on the
         integrator steps of ``motion``.
     """
-    times: Array = motion.control_period * np.arange(as_count("period", period))
+    span = motion.control_period * as_count("period", period)
+    times = np.linspace(0.0, span, period, endpoint=False)
     h = motion.control_period / motion.substeps
     flow = np.zeros((period, 12, 19))  # derivatives by x and U, and the state itself
     flow[:, :, :12] = np.eye(12)
