@@ -23,6 +23,7 @@ STANDARD = {
     "std_msgs/msg/String": "string data\n",
     "geometry_msgs/msg/Vector3": "float64 x\nfloat64 y\nfloat64 z\n",
     "geometry_msgs/msg/Vector3Stamped": "std_msgs/Header header\nVector3 vector\n",
+    "geometry_msgs/msg/Wrench": "Vector3 force\nVector3 torque\n",
     "geometry_msgs/msg/Quaternion": "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n",
 }
 
