@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -15,6 +16,8 @@ from graph.test_view import PATIENCE, Watcher, free_domain, gnc
 
 from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.reader import read_flight
+from spacecraft_gnc.launcher.launcher import Launcher
+from spacecraft_gnc.launcher.outcome import Interrupted
 from spacecraft_gnc.scenario import load_fleet
 
 pytestmark = pytest.mark.graph
@@ -92,6 +95,7 @@ def test_a_page_shows_one_of_them(graph: Any, words: tuple[str, ...], shown: str
         graph.fly(
             "plant.mode=free_run",
             "plant.real_time_factor=12",
+            "plant.duration=24.0",
             f"launcher.domain_id={chosen}",
             scenario=TWO,
             record=False,
@@ -103,9 +107,9 @@ def test_a_page_shows_one_of_them(graph: Any, words: tuple[str, ...], shown: str
     assert view.returncode == 0
     assert ("holds several spacecraft (/sc1, /sc2); shows the first" in err) == (not words)
     assert watcher.setup["title"] == f"two_spacecraft /{shown}"
-    assert watcher.setup["n_steps"] == 200
+    assert watcher.setup["n_steps"] == 60
     assert watcher.setup["method"] == load_fleet(TWO).agents[shown].controller.method
-    assert watcher.last["step"] == 200
+    assert watcher.last["step"] == 60
 
 
 def test_one_of_them_is_slewed_and_watched(graph: Any, at: Any) -> None:
@@ -113,24 +117,31 @@ def test_one_of_them_is_slewed_and_watched(graph: Any, at: Any) -> None:
     told: dict[str, Any] = {}
     turn = ("slew", "--domain-id", chosen, "--axis", "0", "0", "1", "--angle-deg", "15")
 
-    def ask(_: Any) -> None:
-        for name, words in {
-            "unnamed": turn,
-            "named": (*turn, "--namespace", "sc2", "--json"),
-            "watched": ("inspect", "watch", "--once", "--domain-id", chosen),
-        }.items():
-            with gnc(*words) as command:
+    def ask(launcher: Launcher) -> None:
+        """Run the commands at once, then end the flight."""
+        with contextlib.ExitStack() as stack:
+            started = {
+                name: stack.enter_context(gnc(*words))
+                for name, words in {
+                    "unnamed": turn,
+                    "named": (*turn, "--namespace", "sc2", "--json"),
+                    "watched": ("inspect", "watch", "--once", "--domain-id", chosen),
+                }.items()
+            }
+            for name, command in started.items():
                 told[name] = (*command.communicate(timeout=PATIENCE), command.returncode)
+        launcher._signal = signal.SIGINT
 
-    graph.fly(
-        "plant.mode=free_run",
-        "plant.real_time_factor=10.0",
-        "plant.duration=400.0",
-        f"launcher.domain_id={chosen}",
-        scenario=TWO,
-        record=False,
-        display=at(5, ask),
-    )
+    with pytest.raises(Interrupted):
+        graph.fly(
+            "plant.mode=free_run",
+            "plant.real_time_factor=10.0",
+            "plant.duration=4000.0",
+            f"launcher.domain_id={chosen}",
+            scenario=TWO,
+            record=False,
+            display=at(5, ask),
+        )
     assert told["unnamed"][2] == 2
     assert "several spacecraft fly (/sc1, /sc2); required the one to slew" in told["unnamed"][1]
     assert json.loads(told["named"][0])["reached"]

@@ -6,8 +6,8 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -21,14 +21,18 @@ PATIENCE = 60.0
 ROS_ARGUMENTS = ["--ros-args", "--params-file", str(CASE1)]
 
 
-@pytest.fixture
-def env(tmp_path: Path) -> Any:
+def new_environment() -> Iterator[dict[str, str]]:
+    """Yield variables of a process on a domain of its own."""
     lock = domain.claim_free({"test": "standalone"})
     made = environment.for_node(os.environ, lock.domain_id)
     del made[environment.SUPERVISED]
     made["PYTHONPATH"] = str(Path(__file__).resolve().parents[2])
     yield made
     lock.release()
+
+
+env = pytest.fixture(new_environment, name="env")
+other_env = pytest.fixture(new_environment, name="other_env")
 
 
 def start(env: dict[str, str], module: str, *arguments: str) -> subprocess.Popen[str]:
@@ -106,11 +110,13 @@ def test_a_node_ends_with_its_launcher(env: dict[str, str]) -> None:
     assert process.wait(PATIENCE) == 0
 
 
-def test_inspect_says_what_is_missing(env: dict[str, str]) -> None:
-    code, out, err = finish(start(env, "cli.main", "inspect", "echo", "nothing"))
+def test_inspect_says_what_is_missing(env: dict[str, str], other_env: dict[str, str]) -> None:
+    echo = start(env, "cli.main", "inspect", "echo", "nothing")
+    nodes = start(other_env, "cli.main", "inspect", "nodes")  # both wait for what may still appear
+    code, out, err = finish(echo)
     assert (code, out) == (1, "")
     assert err.startswith("error: /nothing: no such topic on ROS_DOMAIN_ID=")
-    code, _, err = finish(start(env, "cli.main", "inspect", "nodes"))
+    code, _, err = finish(nodes)
     assert code == 1
     assert "gnc launch" in err
 
