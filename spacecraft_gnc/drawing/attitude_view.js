@@ -1,18 +1,7 @@
-"use strict";
 // The attitude on the unit sphere, and the slider that moves the body axes.
 
 const AXES = ["x", "y", "z"];
 const ARROW = 0.12; // length of an arrow's head
-
-function unpack(array) {
-  const bytes = Uint8Array.from(atob(array.bdata), (letter) => letter.charCodeAt(0));
-  return new Float64Array(bytes.buffer);
-}
-
-// Attitudes are 3x3 matrices, row-major, from body to inertial components: column j is body axis j.
-const columnOf = (matrices, k, j) => [0, 1, 2].map((i) => matrices[9 * k + 3 * i + j]);
-const timesVector = (matrices, k, v) =>
-  [0, 1, 2].map((i) => [0, 1, 2].reduce((sum, j) => sum + matrices[9 * k + 3 * i + j] * v[j], 0));
 
 function unpackRun(run) {
   const unpacked = { ...run };
@@ -23,18 +12,6 @@ function unpackRun(run) {
   }
   unpacked.readout = run.readout.map((line) => ({ ...line, values: unpack(line.values) }));
   return unpacked;
-}
-
-// Points of a curve, three numbers each.
-function rowsOf(packed) {
-  const numbers = unpack(packed), rows = [];
-  for (let k = 0; k < numbers.length; k += 3) rows.push(Array.from(numbers.slice(k, k + 3)));
-  return rows;
-}
-
-function line3d(points, options) {
-  const [x, y, z] = [0, 1, 2].map((i) => points.map((point) => point[i]));
-  return { type: "scatter3d", mode: "lines", x, y, z, hoverinfo: "skip", showlegend: false, ...options };
 }
 
 function ball(sphere) {
@@ -131,29 +108,6 @@ function movingTraces(sphere, run, k) {
   return arrowsAt(run, k).map((points, i) => line3d(points, styles[i]));
 }
 
-function readoutRows(run, k) {
-  return run.readout.map(({ label, values, width, fixed, significant, notes }) => {
-    const text = (value) => (fixed === undefined ? value.toPrecision(significant) : value.toFixed(fixed));
-    const numbers = Array.from(values.slice(width * k, width * (k + 1)), text).join(", ");
-    return [label, notes?.length ? `${numbers} (${notes[k]})` : numbers];
-  });
-}
-
-function writeReadout(run, k) {
-  const text = `t = ${run.time[k].toFixed(2)} s, step ${run.step[k]}`;
-  document.getElementById("time-text").textContent = text;
-  document.getElementById("time").setAttribute("aria-valuetext", `${text}, error ${run.error[k].toPrecision(3)} degrees`);
-  const rows = readoutRows(run, k).map(([name, value]) => {
-    const row = document.createElement("tr");
-    const head = row.appendChild(document.createElement("th"));
-    head.scope = "row";
-    head.textContent = name;
-    row.appendChild(document.createElement("td")).textContent = value;
-    return row;
-  });
-  document.getElementById("readout").replaceChildren(...rows);
-}
-
 function sceneLayout() {
   const hidden = { visible: false, range: [-1.3, 1.3] };
   return { margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "#fff", showlegend: true,
@@ -165,53 +119,22 @@ function sceneLayout() {
 }
 
 async function drawView(sphere) {
-  const runs = sphere.runs.map(unpackRun);
-  const slider = document.getElementById("time"), select = document.getElementById("sphere-run");
-  const play = document.getElementById("play");
-  let run = runs[0], first = 0, timer = null;
+  let first = 0;
 
-  async function showRun(index) {
-    run = runs[index];
+  function draw(run) {
     const paths = AXES.map((name, j) => pathOf(run, [0, 1, 2].map((i) => (i === j ? 1 : 0)),
       { line: { color: sphere.axisColors[j], width: 3 } }));
     const fixed = [...ball(sphere), ...run.zones.flatMap(zoneTraces), ...paths];
     first = fixed.length;
-    slider.max = String(run.count - 1);
-    slider.value = "0";
-    await Plotly.react("sphere", [...fixed, ...movingTraces(sphere, run, 0)], sceneLayout(), plotConfig);
-    writeReadout(run, 0);
+    return Plotly.react("view-plot", [...fixed, ...movingTraces(sphere, run, 0)], sceneLayout(), plotConfig);
   }
 
-  function moveTo(k) {
+  function move(run, k) {
     const moved = arrowsAt(run, k);
     const along = (i) => moved.map((points) => points.map((point) => point[i]));
-    writeReadout(run, k);
-    return Plotly.restyle("sphere", { x: along(0), y: along(1), z: along(2) }, moved.map((_, i) => first + i));
+    return Plotly.restyle("view-plot", { x: along(0), y: along(1), z: along(2) }, moved.map((_, i) => first + i));
   }
 
-  function stop() {
-    window.clearInterval(timer);
-    timer = null;
-    play.textContent = "▶";
-    play.setAttribute("aria-label", "Play the flight");
-  }
-
-  function start() {
-    if (Number(slider.value) >= run.count - 1) slider.value = "0";
-    const stride = Math.max(1, Math.round(run.count / 300)); // a flight lasts some ten seconds
-    timer = window.setInterval(() => {
-      slider.value = String(Math.min(Number(slider.value) + stride, run.count - 1));
-      moveTo(Number(slider.value));
-      if (Number(slider.value) >= run.count - 1) stop();
-    }, 40);
-    play.textContent = "❚❚";
-    play.setAttribute("aria-label", "Pause the flight");
-  }
-
-  slider.addEventListener("input", () => moveTo(Number(slider.value)));
-  play.addEventListener("click", () => (timer === null ? start() : stop()));
-  select.addEventListener("change", () => { stop(); return showRun(Number(select.value)); });
-  select.value = "0";
-  document.getElementById("run-control").hidden = runs.length < 2;
-  await showRun(0);
+  const told = (run, k) => `error ${run.error[k].toPrecision(3)} degrees`;
+  await connectPlayer(sphere.runs.map(unpackRun), { draw, move, told });
 }

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import resources
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.drawing import representations as forms
-from spacecraft_gnc.drawing import style
+from spacecraft_gnc.drawing import style, view
 from spacecraft_gnc.drawing.envelope import strided
 from spacecraft_gnc.drawing.geometry import circle, graticule, rim
 from spacecraft_gnc.drawing.traces import label, packed
@@ -22,6 +21,13 @@ from spacecraft_gnc.types import Array
 _LIFT: Final = 1.004  # radius of the zones, so that the sphere does not hide them
 _RINGS: Final = 10
 _SECTORS: Final = 72
+_WORDS: Final = view.Words(
+    "Attitude in 3-D",
+    "Attitude on the unit sphere, inertial frame",
+    "Body axes and pointing zones on the unit sphere",
+    "Lines: paths of the body axes x, y, z; arrows: where they point at the time of the slider; "
+    "diamonds: {diamonds}. Caps: pointing zones, filled. Drag to turn.",
+)
 _BODY_AXES: Final = {"body x": (1, 0, 0), "body y": (0, 1, 0), "body z": (0, 0, 1)}
 
 
@@ -88,7 +94,7 @@ class Motion:
 
 def script() -> str:
     """Return the code of the view: ``drawView(view)`` draws what `view_data` returned."""
-    return (resources.files(__package__) / "attitude_view.js").read_text(encoding="utf-8")
+    return view.script("attitude_view.js")
 
 
 def view_data(motions: Sequence[Motion], points: int) -> dict[str, Any]:
@@ -100,19 +106,6 @@ def view_data(motions: Sequence[Motion], points: int) -> dict[str, Any]:
         "graticule": [packed(line) for line in graticule(_SECTORS)],
         "runs": [_run_data(motion, points) for motion in motions],
     }
-
-
-def frames_note(motions: Sequence[Motion], points: int) -> str:
-    """Return which states the slider steps through."""
-    strides = {
-        motion.name: int(strided(motion.n_steps + 1, points)[1])
-        for motion in motions
-        if motion.n_steps >= points
-    }
-    if not strides:
-        return "The slider steps through every recorded state."
-    listed = ", ".join(f"every {stride}th state of {name}" for name, stride in strides.items())
-    return f"Long run: the slider steps through {listed}."
 
 
 def _run_data(motion: Motion, points: int) -> dict[str, Any]:
@@ -206,6 +199,6 @@ def _triangles() -> list[list[int]]:
     return [list(column) for column in zip(*corners, strict=True)]
 
 
-def scene(motions: Sequence[Motion], points: int) -> tuple[dict[str, Any], str]:
-    """Return what the view draws, and which states it steps through."""
-    return view_data(motions, points), frames_note(motions, points)
+def scene(motions: Sequence[Motion], points: int) -> view.View:
+    """Return what the view draws, which states it steps through, and its words."""
+    return view.View(view_data(motions, points), view.frames_note(motions, points), _WORDS)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from spacecraft_gnc.drawing.chart import Chart
 from spacecraft_gnc.drawing.table import Row
+from spacecraft_gnc.drawing.view import View
 from spacecraft_gnc.types import Array
 
 if TYPE_CHECKING:
@@ -64,8 +65,8 @@ class VehicleReport(Protocol):
     def charts(self, runs: Sequence[Any], points: int) -> Iterable[Chart]:
         """Return the diagrams; a run may spend so many points on a curve."""
 
-    def scene(self, runs: Sequence[Any], points: int) -> tuple[dict[str, Any], str]:
-        """Return what the 3-D view draws, and which states it steps through."""
+    def scene(self, runs: Sequence[Any], points: int) -> View:
+        """Return the 3-D view."""
 
     def scene_script(self) -> str:
         """Return the code of the view, with its function ``drawView(view)``."""

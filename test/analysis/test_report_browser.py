@@ -16,7 +16,7 @@ FLOWN = flight(STEPS)
 SHORT = flight(8)
 ARROWS = """
 const found = {};
-for (const trace of document.getElementById("sphere").data)
+for (const trace of document.getElementById("view-plot").data)
   if ((trace.name || "").startsWith("body ") || (trace.name || "").startsWith("reference "))
     found[trace.name] = [trace.x, trace.y, trace.z].map((values) => values.slice(0, 2));
 return found;
@@ -161,7 +161,7 @@ def test_the_run_on_the_sphere_can_be_chosen(browser, report):
     open_page(browser, report[1])
     press(browser, "END")
     np.testing.assert_array_equal(drawn_axes(browser), FLOWN.final_attitude)
-    choose(browser, "#sphere-run", "b")
+    choose(browser, "#view-run", "b")
     slider = browser.find_element("id", "time")
     wait_until(browser, lambda: slider.get_attribute("max") == "8", "the other run is shown")
     press(browser, "END")

@@ -44,7 +44,8 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
     vehicle = report_part(runs)
     planned = runs[0].info.is_plan
     charts = list(vehicle.charts(runs, points))
-    view, note = vehicle.scene(runs, points)
+    view = vehicle.scene(runs, points)
+    words = _PLAN_WORDS if planned else _FLIGHT_WORDS
     parts = {
         "kind": "Plan" if planned else "Flight report",
         "title": html.escape(title or ", ".join(run.name for run in runs)),
@@ -54,13 +55,17 @@ def report_html(runs: Sequence[Run], title: str = "") -> str:
         "summary": tables.summary(runs, vehicle.rows),
         "verdicts": tables.verdicts(runs),
         "run_options": _options(run.name for run in runs),
-        "frames_note": html.escape(note),
+        "view_link": html.escape(view.words.link),
+        "view_heading": html.escape(view.words.heading),
+        "view_label": html.escape(view.words.label),
+        "view_note": html.escape(view.words.note.format_map(words)),
+        "frames_note": html.escape(view.frames),
         "charts": chart_sections(charts),
         "scenarios": tables.scenarios(runs),
         "recordings": tables.recordings(runs),
     }
-    parts |= _PLAN_WORDS if planned else _FLIGHT_WORDS
-    data = {"charts": [chart.data() for chart in charts], "view": view}
+    parts |= words
+    data = {"charts": [chart.data() for chart in charts], "view": view.data}
     return filled_page(__package__, "report", parts, data, vehicle.scene_script())
 
 

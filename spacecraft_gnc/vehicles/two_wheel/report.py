@@ -31,6 +31,7 @@ from spacecraft_gnc.drawing.traces import (
     run_line,
     trace,
 )
+from spacecraft_gnc.drawing.view import View
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel import flown as series
 from spacecraft_gnc.vehicles.two_wheel.flown import Flown
@@ -136,7 +137,7 @@ class WheelReport:
         for name, (title, of, unit, line) in _WHEELS.items():
             yield _wheels(runs, points, name, title, of, unit, **line)
 
-    def scene(self, runs: Sequence[Flown], points: int) -> tuple[dict[str, Any], str]:
+    def scene(self, runs: Sequence[Flown], points: int) -> View:
         """Return the attitudes on the unit sphere."""
         return attitude_view.scene([_motion(run) for run in runs], points)
 

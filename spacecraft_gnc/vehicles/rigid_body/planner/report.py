@@ -24,6 +24,7 @@ from spacecraft_gnc.drawing.chart import (
 from spacecraft_gnc.drawing.table import NOTHING, Row
 from spacecraft_gnc.drawing.traces import Curve, Trace, axis, component_line, limit, run_line, trace
 from spacecraft_gnc.drawing.vehicle import FlownRun
+from spacecraft_gnc.drawing.view import View
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.planner.plan import AXES, Plan
 from spacecraft_gnc.vehicles.rigid_body.planner.rows import (
@@ -105,7 +106,7 @@ class PlanReport:
         yield Chart("error", "Angle to the goal", "", drawn)
         yield _attitude(runs, points)
 
-    def scene(self, runs: Sequence[Planned], points: int) -> tuple[dict[str, Any], str]:
+    def scene(self, runs: Sequence[Planned], points: int) -> View:
         """Return the attitudes on the unit sphere."""
         return attitude_view.scene([_motion(run) for run in runs], points)
 

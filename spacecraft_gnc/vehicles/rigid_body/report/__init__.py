@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from spacecraft_gnc.drawing import attitude_view
 from spacecraft_gnc.drawing.chart import Chart, held
 from spacecraft_gnc.drawing.sources import source_name
+from spacecraft_gnc.drawing.view import View
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.flown import Flown
 from spacecraft_gnc.vehicles.rigid_body.report.motion import motion_charts
@@ -79,7 +80,7 @@ class RigidBodyReport:
         yield from solver_charts(runs, points)
         yield from invariant_charts(runs, points)
 
-    def scene(self, runs: Sequence[Flown], points: int) -> tuple[dict[str, Any], str]:
+    def scene(self, runs: Sequence[Flown], points: int) -> View:
         """Return the attitudes on the unit sphere."""
         return attitude_view.scene([_motion(run) for run in runs], points)
 

@@ -1,0 +1,62 @@
+"""What the 3-D views of a page have in common: their words, their code and their states."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import resources
+from typing import Any, NamedTuple, Protocol
+
+from spacecraft_gnc.drawing.envelope import strided
+
+
+class Words(NamedTuple):
+    """What the page says of a view."""
+
+    link: str
+    """In the list of its parts."""
+    heading: str
+    label: str
+    """What the picture shows, for who cannot see it."""
+    note: str
+    """How to read it; ``{diamonds}`` stands for what the reference is called."""
+
+
+class View(NamedTuple):
+    """A 3-D view of the page."""
+
+    data: dict[str, Any]
+    """For ``drawView(data)`` of its script."""
+    frames: str
+    """Which states it steps through."""
+    words: Words
+
+
+class Moving(Protocol):
+    """What moves in a view."""
+
+    @property
+    def name(self) -> str:
+        """Of the run."""
+
+    @property
+    def n_steps(self) -> int:
+        """Control steps."""
+
+
+def script(name: str) -> str:
+    """Return the code of the view NAME.js, with what every view needs before it."""
+    folder = resources.files(__package__)
+    return "\n".join((folder / file).read_text(encoding="utf-8") for file in ("view.js", name))
+
+
+def frames_note(motions: Sequence[Moving], points: int) -> str:
+    """Return which states the slider steps through."""
+    strides = {
+        motion.name: int(strided(motion.n_steps + 1, points)[1])
+        for motion in motions
+        if motion.n_steps >= points
+    }
+    if not strides:
+        return "The slider steps through every recorded state."
+    listed = ", ".join(f"every {stride}th state of {name}" for name, stride in strides.items())
+    return f"Long run: the slider steps through {listed}."
