@@ -41,7 +41,9 @@ BaselinesOption = Annotated[
 PartOption = Annotated[
     str | None,
     typer.Option(
-        "--only", metavar="PART", help="One part of a paper: two_wheel of afrl2016.  [default: all]"
+        "--only",
+        metavar="PART",
+        help="One part of a paper: two_wheel or docking of afrl2016.  [default: all]",
     ),
 ]
 RunsOption = Annotated[
