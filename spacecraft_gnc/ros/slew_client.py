@@ -12,6 +12,7 @@ from spacecraft_gnc_msgs.action import SlewTo
 from spacecraft_gnc.ros.endpoints import full_topic_name
 from spacecraft_gnc.ros.graph import GraphError, GraphView
 from spacecraft_gnc.signals.attitude import SLEW_ACTION
+from spacecraft_gnc.signals.graph import GOVERNOR
 from spacecraft_gnc.types import Array
 
 _PATIENCE = 5.0  # [s] wall for the server to answer
@@ -66,6 +67,12 @@ def slew(
     client = ActionClient(view.node, SlewTo, action)
     if not view.spin_until(client.server_is_ready, _PATIENCE):
         view.raise_interrupt()
+        if any(name == GOVERNOR for name in view.node.get_node_names()):
+            raise GraphError(
+                f"{action}: received a {GOVERNOR} without that action, whose vehicle is steered by "
+                "more than an attitude; required one that takes attitudes; publish a target on its "
+                "topic instead (`gnc inspect topics`)"
+            )
         raise GraphError(
             f"{action}: no action server on ROS_DOMAIN_ID={view.domain_id}; required a live "
             "graph with a reference_governor; start one with `gnc launch`, or give --domain-id"
