@@ -17,7 +17,7 @@ from spacecraft_gnc.vehicles.docking.holding import (
     clearance,
     hold_wrench,
     largest_spin_rate,
-    line_of_sight_margins,
+    line_of_sight_margin,
     use_of,
 )
 
@@ -79,13 +79,13 @@ def _broken(plant: Any, pose: Pose, margin: float) -> Iterator[tuple[str, str, s
     """Yield parameter, requirement and remedy of each constraint that a pose breaks."""
     extra = f" less a margin of {margin:g} m" if margin else ""
     half, slack = plant.line_of_sight_half_angle_deg, plant.line_of_sight_slack
-    for axis, room in zip("yz", line_of_sight_margins(plant, pose.port_offset), strict=True):
-        if room < margin - _ROUNDING:
-            need = (
-                f"|{axis}| within the line-of-sight pyramid, at most tan({half:g} deg) x + "
-                f"{slack:g} m{extra}, which it exceeds by {margin - room:.4g} m"
-            )
-            yield "port_offset", need, "move it inside"
+    outside = margin - line_of_sight_margin(plant, pose.port_offset)
+    if outside > _ROUNDING:
+        need = (
+            f"|y| and |z| of at most tan({half:g} deg) x + {slack:g} m{extra}, the line-of-sight "
+            f"pyramid, which it leaves by {outside:.4g} m"
+        )
+        yield "port_offset", need, "move it inside"
     behind = -clearance(plant, pose) - plant.clearance_tolerance + margin
     if behind > _ROUNDING:
         tolerance = f"up to {plant.clearance_tolerance:g} m behind it{extra}"

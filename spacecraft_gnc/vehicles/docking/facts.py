@@ -14,7 +14,7 @@ from spacecraft_gnc.vehicles.docking.holding import (
     Pose,
     clearance,
     hold_wrench,
-    line_of_sight_margins,
+    line_of_sight_margin,
 )
 from spacecraft_gnc.vehicles.docking.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.docking.scenario import Scenario
@@ -27,7 +27,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
     p = scenario.plant
     start = Pose(p.initial_port_offset, p.initial_rotation_vector)
     turn, steps = math.degrees(np.linalg.norm(start.rotation_vector)), rotation_steps(scenario)
-    margin, room = float(line_of_sight_margins(p, start.port_offset).min()), clearance(p, start)
+    margin, room = line_of_sight_margin(p, start.port_offset), clearance(p, start)
     docked = hold_wrench(p, DOCKED)
     force, moment = np.abs(docked[:, :3]).max(), np.abs(docked[:, 3:]).max()
     moments = " ".join(f"{value:.4g}" for value in np.linalg.eigvalsh(p.inertia))

@@ -1,11 +1,10 @@
-"""Geometry of two cuboids, and the wrench that holds one at the other, without kernels.
+"""Distances of a pose, and the wrench that holds it on the rotating chief, without kernels.
 
 Everything is in the chief frame, of which the chief's center of mass is the origin.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import Any, Final, NamedTuple
 
@@ -13,10 +12,10 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.types import Array, Matrix3, Vector3
+from spacecraft_gnc.vehicles.docking import geometry
 
 PHASES: Final = 360
 """Attitudes of the chief in a rotation at which a hold is evaluated."""
-_CORNERS: Final = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
 _SCANNED: Final = 400
 _HALVINGS: Final = 60
 
@@ -53,17 +52,17 @@ def center_of(plant: Any, pose: Pose) -> Vector3:
     return center
 
 
-def line_of_sight_margins(plant: Any, port_offset: Vector3) -> Array:
-    """Return by how much y and z (2,) are within the line-of-sight pyramid [m]."""
-    slope = math.tan(math.radians(plant.line_of_sight_half_angle_deg))
-    room = slope * port_offset[0] + plant.line_of_sight_slack
-    return np.asarray(room - np.abs(port_offset[1:]))
+def line_of_sight_margin(plant: Any, port_offset: Vector3) -> float:
+    """Return by how much the deputy's port is within the line-of-sight pyramid [m]."""
+    tangent = math.tan(math.radians(plant.line_of_sight_half_angle_deg))
+    return float(geometry.line_of_sight_margin(port_offset, tangent, plant.line_of_sight_slack))
 
 
 def clearance(plant: Any, pose: Pose) -> float:
     """Return how far the deputy's nearest vertex is from the plane of the docking face [m]."""
-    vertices = center_of(plant, pose) + (_CORNERS * plant.deputy_size) @ pose.attitude.T
-    return float(vertices[:, 0].min() - plant.chief_size[0] / 2.0)
+    deputy = geometry.Cuboid(plant.deputy_size, plant.deputy_port)
+    chief = geometry.Cuboid(plant.chief_size, plant.chief_port)
+    return float(geometry.clearance(pose.port_offset, pose.attitude, deputy, chief))
 
 
 def hold_wrench(plant: Any, pose: Pose, spin_rate: float | None = None) -> Array:

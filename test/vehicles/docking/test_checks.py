@@ -72,7 +72,7 @@ def plant_of(**changes: Any) -> Any:
         (
             {"initial_port_offset": [2.0, 4.0, 0.0]},
             "plant.initial_port_offset",
-            "exceeds by 2.795 m",
+            "leaves by 2.795 m",
         ),
         ({"initial_port_offset": [-1.0, 0.0, 0.0]}, "plant.initial_port_offset", "0.98 m"),
         (
