@@ -108,7 +108,9 @@ def hold_wrench(plant: Any, pose: Pose, spin_rate: float | None = None) -> Array
 def use_of(limits: Limits, wrench: Array) -> tuple[float, float]:
     """Return the largest components of force and moment as shares of their limits."""
     largest = np.abs(wrench).max(axis=0)
-    return float(largest[:3].max() / limits.force), float(largest[3:].max() / limits.moment)
+    parts = (float(largest[:3].max()), limits.force), (float(largest[3:].max()), limits.moment)
+    force, moment = (value / limit if limit > 0.0 else math.inf for value, limit in parts)
+    return force, moment
 
 
 def largest_spin_rate(plant: Any, pose: Pose, limits: Limits) -> float | None:
