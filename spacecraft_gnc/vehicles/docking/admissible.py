@@ -22,7 +22,7 @@ from spacecraft_gnc.vehicles.docking.holding import (
 )
 
 _PLANT, _CONTROLLER, _GOVERNOR = "plant", "nmpc_controller", "reference_governor"
-WHOLE: Final = 1e-9
+WHOLE: Final = 1e-6
 """Share by which a rotation may miss a whole number of control periods."""
 MOST_STEPS: Final = 5000
 """Control periods of a rotation, for each of which there is a gain and a set."""
