@@ -17,9 +17,10 @@ point of the same name.
 from __future__ import annotations
 
 import pkgutil
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import fields, replace
-from functools import cache
+from functools import cache, lru_cache
 from importlib import metadata
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar
@@ -44,6 +45,7 @@ KEYS: Final = {
 }
 _PACKAGE: Final = "spacecraft_gnc"
 _Law = TypeVar("_Law", Method, GovernorLaw)
+_Search = Callable[..., metadata.EntryPoints]
 
 
 def own_names(group: str, vehicle: Vehicle | None = None) -> tuple[str, ...]:
@@ -250,9 +252,15 @@ def _entry(group: str, name: str) -> metadata.EntryPoint | None:
 
 def _entries(group: str) -> Iterator[metadata.EntryPoint]:
     """Yield the entry points of other packages; ours are found in our folders."""
-    for entry in metadata.entry_points(group=f"{_PACKAGE}.{group}"):
+    for entry in _installed(metadata.entry_points, f"{_PACKAGE}.{group}", tuple(sys.path)):
         if not entry.value.startswith(f"{_PACKAGE}."):
             yield entry
+
+
+@lru_cache(maxsize=16)
+def _installed(search: _Search, group: str, _path: tuple[str, ...]) -> metadata.EntryPoints:
+    """Return the entry points of a group; a new path has them looked for again."""
+    return search(group=group)
 
 
 def require_vehicle(found: Any) -> Vehicle:
