@@ -26,7 +26,7 @@ _NEAR: Final = 0.5  # [m] from the hold point, within which it is held
 _SLOW: Final = 0.01  # [m/s]
 _LOYALTY: Final = 2.0  # by which another plan has to cost less
 _TRIED: Final = 3  # other attitudes tried in a step, one after the other in turn
-_ANGLES: Final = (0.25 * math.pi, 0.5 * math.pi, 3.0)  # [rad]; half a turn has no one axis
+_ANGLES: Final = (0.15, 0.25 * math.pi, 0.5 * math.pi, 3.0)  # [rad]; half a turn has no one axis
 
 
 def _attitudes() -> list[Matrix3]:
