@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.types import Array, Matrix3
+from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.docking.decision import Answer, DockingDecision, Phase
 from spacecraft_gnc.vehicles.docking.governors.diagnosis import AXES, center_of
 from spacecraft_gnc.vehicles.docking.governors.retreat import Plan, Retreat
@@ -29,11 +29,11 @@ _TRIED: Final = 3  # other attitudes tried in a step, one after the other in tur
 _ANGLES: Final = (0.15, 0.25 * math.pi, 0.5 * math.pi, 3.0)  # [rad]; half a turn has no one axis
 
 
-def _attitudes() -> list[Matrix3]:
-    """Return the attitudes to turn to: none, and angles about each axis, either way."""
+def _attitudes() -> Array:
+    """Return the attitudes (c, 3, 3) to turn to: none, and angles about each axis, either way."""
     axes = np.vstack([np.eye(3), -np.eye(3)])
     turns = [lie.exp(angle * axis) for axis in axes for angle in _ANGLES]
-    return [np.eye(3), *turns]
+    return np.array([np.eye(3), *turns])
 
 
 class Abort:
@@ -67,9 +67,11 @@ class Abort:
         plans = self._retreat.at(state.step, center_of(motion, self._turn.port))
         best: tuple[float, int, Plan] | None = None
         iterations = 0
-        for index in self._candidates(state.step):
-            goal = self._attitudes[index]
-            attitudes = self._turn.foretold(motion.attitude, motion.angular_velocity, goal)
+        chosen = self._candidates(state.step)
+        turns = self._turn.foretold(
+            motion.attitude, motion.angular_velocity, self._attitudes[chosen]
+        )
+        for index, attitudes in zip(chosen, turns, strict=True):
             plan = plans.best(attitudes, AXES[lost], self._wish[:3])
             if plan is None:
                 continue

@@ -51,17 +51,29 @@ class Turn:
         wanted = inertia @ self._acceleration(lie.log(goal @ attitude.T), rate)
         return np.clip(wanted, -self._limit, self._limit)
 
-    def foretold(self, attitude: Matrix3, rate: Vector3, goal: Matrix3) -> Array:
-        """Return attitudes (N + 1, 3, 3) of the next steps, as of a turn about one axis."""
-        found = np.empty((self._steps + 1, 3, 3))
-        found[0] = attitude
-        left, w, h = lie.log(goal @ attitude.T), rate, self._period
-        for k in range(self._steps):
-            change = self._acceleration(left, w)
-            left = left - h * w - 0.5 * h * h * change
-            w = w + h * change
-            found[k + 1] = lie.exp(-left) @ goal
-        return found
+    def foretold(self, attitude: Matrix3, rate: Vector3, goals: Array) -> Array:
+        """Return attitudes (c, N + 1, 3, 3) of the next steps, for goals (c, 3, 3).
 
-    def _acceleration(self, left: Vector3, rate: Vector3) -> Vector3:
+        As of turns about one axis each.
+        """
+        h, w = self._period, np.tile(rate, (len(goals), 1))
+        left = np.empty((self._steps + 1, len(goals), 3))
+        left[0] = [lie.log(goal @ attitude.T) for goal in goals]
+        for k in range(self._steps):
+            change = self._acceleration(left[k], w)
+            left[k + 1] = left[k] - h * w - 0.5 * h * h * change
+            w = w + h * change
+        return _exponentials(-left.transpose(1, 0, 2)) @ goals[:, None]
+
+    def _acceleration(self, left: Array, rate: Array) -> Array:
         return np.clip(self._stiffness * left - self._damping * rate, -self._most, self._most)
+
+
+def _exponentials(rotation_vectors: Array) -> Array:
+    """Return `lie.exp` of vectors (..., 3)."""
+    x, y, z = np.moveaxis(rotation_vectors, -1, 0)
+    zero = np.zeros_like(x)
+    hat = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*x.shape, 3, 3)
+    half = 0.5 * np.linalg.norm(rotation_vectors, axis=-1)[..., None, None]
+    sinc = np.sinc(half / np.pi)
+    return np.asarray(np.eye(3) + sinc * (np.cos(half) * hat + 0.5 * sinc * hat @ hat))
