@@ -75,12 +75,13 @@ async function connectPlayer(runs, view) {
 
   function start() {
     if (Number(slider.value) >= run.count - 1) slider.value = "0";
-    const stride = Math.max(1, Math.round(run.count / 300)); // a flight lasts some ten seconds
+    // A flight lasts some ten seconds.
+    const stride = Math.max(1, Math.round(run.count / 300)), wait = Math.min(Math.max(10000 / run.count, 40), 150);
     timer = window.setInterval(() => {
       slider.value = String(Math.min(Number(slider.value) + stride, run.count - 1));
       moveTo(Number(slider.value));
       if (Number(slider.value) >= run.count - 1) stop();
-    }, 40);
+    }, wait);
     play.textContent = "❚❚";
     play.setAttribute("aria-label", "Pause the flight");
   }

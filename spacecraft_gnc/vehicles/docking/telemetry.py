@@ -1,0 +1,46 @@
+"""Telemetry of a docking flight: what a bag tells beside the arrays of a flight."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, NamedTuple
+
+from spacecraft_gnc.recording.columns import read_columns
+from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.vehicles.docking.signals import GOVERNOR_STATUS
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.recording.bag import Bag
+    from spacecraft_gnc.vehicles.docking.flight import DockingFlight
+
+
+class Telemetry(NamedTuple):
+    """What a bag tells beside the arrays of a flight."""
+
+    missed_deadlines: int | None = None
+    """Steps of a free run whose command came too late; None: no free run."""
+    active: tuple[str, ...] = ()
+    """Of each step: names of the constraints that kept the reference from the wish, the strongest
+    first, separated by "; "; empty where nothing is known."""
+
+    def counts(self) -> dict[str, int]:
+        """Return at how many steps each constraint was the strongest, the most frequent first."""
+        first = (names.split("; ")[0] for names in self.active if names)
+        return dict(Counter(first).most_common())
+
+
+def telemetry(
+    flight: DockingFlight, bag: Bag | None, namespace: str | None, *, is_free: bool
+) -> Telemetry:
+    """Return what the bag of a flight tells; ``is_free``: it was a free run."""
+    if bag is None:
+        return Telemetry()
+    found = read_columns(bag, [WALL_TIMING, GOVERNOR_STATUS], namespace)
+    missed = found[WALL_TIMING].fields.get("missed_deadlines")
+    count = 0 if missed is None or not missed.size else int(missed.max())
+    status = found[GOVERNOR_STATUS]
+    active = [""] * flight.n_steps
+    for step, names in zip(status.steps.tolist(), status.fields.get("active", ()), strict=False):
+        if step < flight.n_steps:
+            active[step] = str(names)
+    return Telemetry(count if is_free else None, tuple(active))
