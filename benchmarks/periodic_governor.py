@@ -1,10 +1,10 @@
 """Sets and steps of the periodic governor at the scale of docking, and QP solvers side by side.
 
-nice python benchmarks/periodic_governor.py [--steps N]
+nice python benchmarks/periodic_governor.py [--steps N] [--period P] [--within N]
 
 A rigid deputy beside a chief that turns once in 1000 s about a tilted axis: 12 states, 6 references
-(port offset, attitude), 200 steps of 5 s, 70 rows a step. Linear throughout: the state is what the
-governor believes. Solvers that are not installed are left out.
+(port offset, attitude), 200 steps of 5 s; force, moment, line of sight, 8 vertices. Linear
+throughout: the state is what the governor believes. Solvers that are not installed are left out.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from spacecraft_gnc.governors.periodic import (
     qp,
 )
 
-P, STEP, MASS, ORBIT = 200, 5.0, 130.0, 0.0012  # steps, s, kg, rad/s
+ROUND, STEP, MASS, ORBIT = 200, 5.0, 130.0, 0.0012  # steps, s, kg, rad/s
 INERTIA = MASS / 12.0 * np.diag([1.0, 1.0, 0.72])  # of a cuboid 0.6 x 0.6 x 0.8 m
-SPIN = 2.0 * np.pi / (P * STEP) * np.array([np.sin(0.5), 0.0, np.cos(0.5)])
+SPIN = 2.0 * np.pi / (ROUND * STEP) * np.array([np.sin(0.5), 0.0, np.cos(0.5)])
 PORT = np.array([-0.3, 0.0, 0.1])
 VERTICES = np.array([[x, y, z] for x in (-0.3, 0.3) for y in (-0.3, 0.3) for z in (-0.4, 0.4)])
 START = np.array([20.0, 4.0, -3.0, 0.0, 0.0, 0.0, 0.3, -0.2, 0.25, 0.0, 0.0, 0.0])
@@ -51,46 +51,59 @@ def continuous(t: float) -> tuple[np.ndarray, np.ndarray]:
     return a, b
 
 
-def discrete() -> list[tuple[np.ndarray, np.ndarray]]:
+def generator(t: float) -> np.ndarray:
+    """Return the matrix (18, 18) whose exponential leads state and held control on."""
+    a, b = continuous(t)
+    return np.block([[a, b], [np.zeros((6, 18))]])
+
+
+def discrete(p: int) -> list[tuple[np.ndarray, np.ndarray]]:
     """Return (A_k, B_k) of every step."""
-    found = []
-    for k in range(P):
-        a, b = continuous((k + 0.5) * STEP)
-        both = expm(STEP * np.block([[a, b], [np.zeros((6, 18))]]))
-        found.append((both[:12, :12], both[:12, 12:]))
-    return found
+    flows = [expm(STEP * generator((k + 0.5) * STEP)) for k in range(p)]
+    return [(both[:12, :12], both[:12, 12:]) for both in flows]
 
 
-def problem() -> tuple[PeriodicLoop, PeriodicConstraints]:
-    """Return the loop under periodic LQ feedback, and its constraints."""
-    plant = discrete()
+def feedback(plant: list[tuple[np.ndarray, np.ndarray]], p: int) -> list[np.ndarray]:
+    """Return the periodic LQ gains K_k."""
     q = np.diag(np.repeat([0.01, 1.0, 0.1, 10.0], 3))
     r = np.diag(np.repeat([1.0, 100.0], 3))
-    cost, gains = q.copy(), [np.empty(0)] * P
-    for k in range(4 * P - 1, -1, -1):
-        a, b = plant[k % P]
-        gains[k % P] = gain = np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)
+    cost, gains = q.copy(), [np.empty(0)] * p
+    for k in range(800, -1, -1):
+        a, b = plant[k % p]
+        gains[k % p] = gain = np.linalg.solve(r + b.T @ cost @ b, b.T @ cost @ a)
         cost = q + a.T @ cost @ (a - b @ gain)
         cost = 0.5 * (cost + cost.T)
+    return gains
+
+
+def problem(p: int, within: int) -> tuple[PeriodicLoop, PeriodicConstraints]:
+    """Return the loop under LQ feedback, and its constraints, at ``within`` points of a step."""
+    plant = discrete(p)
     target = np.zeros((12, 6))
     target[:3, :3] = target[6:9, 3:] = np.eye(3)
+    on_state, limits = state_rows()
     maps, feeds, rows, through, bounds = [], [], [], [], []
-    for (a, b), gain in zip(plant, gains, strict=True):
+    for k, ((a, b), gain) in enumerate(zip(plant, feedback(plant, p), strict=True)):
         feed = gain @ target + np.linalg.lstsq(b, target - a @ target, rcond=None)[0]
         maps.append(a - b @ gain)
         feeds.append(b @ feed)
-        on_state, limits = state_rows()
         controls = np.vstack([np.hstack([-gain, feed]), np.hstack([gain, -feed])])
-        rows.append(np.vstack([controls[:, :12], on_state]))
-        through.append(np.vstack([controls[:, 12:], np.zeros((len(on_state), 6))]))
-        bounds.append([*(([1.0] * 3 + [0.05] * 3) * 2), *limits])
+        stacked, held = [controls], np.hstack([-gain, feed])
+        for j in range(within):  # the state on the way through the step, from (x, v)
+            part = expm(STEP * j / within * generator((k + 0.5) * STEP))
+            way = part[:12, :12] @ np.eye(12, 18) + part[:12, 12:] @ held
+            stacked.append(on_state @ way)
+        both = np.vstack(stacked)
+        rows.append(both[:, :12])
+        through.append(both[:, 12:])
+        bounds.append([*(([1.0] * 3 + [0.05] * 3) * 2), *(limits * within)])
     names = tuple(f"row {i}" for i in range(len(bounds[0])))
     loop = PeriodicLoop(np.array(maps), np.array(feeds))
     return loop, PeriodicConstraints(np.array(rows), np.array(through), np.array(bounds), names)
 
 
 def state_rows() -> tuple[np.ndarray, list[float]]:
-    """Return 58 rows on the state: vertices off the face, line of sight, angles and rates."""
+    """Return 12 rows on the state: vertices off the docking face, port in the line of sight."""
     rows, bounds = [], []
     for vertex in VERTICES:
         arm = vertex - PORT
@@ -98,14 +111,11 @@ def state_rows() -> tuple[np.ndarray, list[float]]:
         of_vertex[:, :3], of_vertex[:, 6:9] = np.eye(3), -lie.hat(arm)
         rows.append(-of_vertex[0])
         bounds.append(arm[0] + 0.02)
-        for axis, sign in ((1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0)):
-            rows.append(sign * of_vertex[axis] - np.tan(np.pi / 6.0) * of_vertex[0])
-            bounds.append(np.tan(np.pi / 6.0) * arm[0] + 1.0)
-    for i, limit in zip(
-        (3, 4, 5, 6, 7, 8, 9, 10, 11), [0.5] * 3 + [0.8] * 3 + [0.05] * 3, strict=True
-    ):
-        rows += [np.eye(12)[i], -np.eye(12)[i]]
-        bounds += [limit, limit]
+    for axis, sign in ((1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0)):
+        row = np.zeros(12)
+        row[axis], row[0] = sign, -np.tan(np.pi / 6.0)
+        rows.append(row)
+        bounds.append(0.05)
     return np.array(rows), bounds
 
 
@@ -219,9 +229,12 @@ def main() -> None:
     """Run the benchmark."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--steps", type=int, default=200, help="control steps flown")
-    steps = parser.parse_args().steps
-    loop, constraints = problem()
-    print(f"spectral radius a step {loop.spectral_radius ** (1.0 / P):.4f}, ", end="")
+    parser.add_argument("--period", type=int, default=200, help="1: a time-invariant loop")
+    parser.add_argument("--within", type=int, default=1, help="points of a step with rows")
+    given = parser.parse_args()
+    steps = given.steps
+    loop, constraints = problem(given.period, given.within)
+    print(f"spectral radius a step {loop.spectral_radius ** (1.0 / given.period):.4f}, ", end="")
     print(f"rows a step {constraints.bounds.shape[1]}")
     with TemporaryDirectory() as folder:
         for _ in range(2):

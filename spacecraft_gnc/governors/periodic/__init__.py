@@ -3,13 +3,9 @@
 from spacecraft_gnc.governors.periodic.cache import cached_sets
 from spacecraft_gnc.governors.periodic.governor import PeriodicDecision, PeriodicGovernor
 from spacecraft_gnc.governors.periodic.problem import PeriodicConstraints, PeriodicLoop
-from spacecraft_gnc.governors.periodic.sets import (
-    AdmissibleSet,
-    AdmissibleSets,
-    EmptySetError,
-    SetOptions,
-    admissible_sets,
-)
+from spacecraft_gnc.governors.periodic.recursion import SetOptions, admissible_sets
+from spacecraft_gnc.governors.periodic.sets import AdmissibleSet, AdmissibleSets
+from spacecraft_gnc.governors.periodic.steady import EmptySetError
 
 __all__ = [
     "AdmissibleSet",

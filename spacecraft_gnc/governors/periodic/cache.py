@@ -1,7 +1,9 @@
-"""Sets of `sets.py` on disk, in the user's cache folder, under the hash of what they follow from.
+"""Sets on disk, in the user's cache folder, under the hash of what they follow from.
 
-A file is read only if its name, shapes and checksum are right; any other is computed again and
-replaced. Files are written whole or not at all, so that several processes can share the folder.
+A file holds which rows belong to which set; the rows themselves follow from the loop, and come out
+with the same bits as when the sets were computed. A file is read only if its name, shapes and
+checksum are right; any other is computed again and replaced. Files are written whole or not at all.
+Of several processes that ask for the same sets, one computes; the others wait for its file.
 """
 
 from __future__ import annotations
@@ -12,7 +14,8 @@ import os
 import sys
 import tempfile
 import zipfile
-from collections.abc import Callable
+import zlib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,23 +23,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.governors.periodic.problem import PeriodicConstraints, PeriodicLoop
-from spacecraft_gnc.governors.periodic.sets import (
-    AdmissibleSet,
-    AdmissibleSets,
+from spacecraft_gnc.governors.periodic.recursion import (
+    FoundMembers,
     Progress,
     SetOptions,
-    admissible_sets,
+    found_members,
 )
-from spacecraft_gnc.types import read_only
+from spacecraft_gnc.governors.periodic.sets import AdmissibleSets, Members
+from spacecraft_gnc.governors.periodic.steady import SteadyReferences, steady_references
 
-_VERSION: Final = "periodic sets 1"  # raise it when the same data give other rows
-_ROW_ARRAYS: Final = ("state_rows", "reference_rows", "bounds", "constraint", "ahead")
+if sys.platform != "win32":
+    import fcntl
+
+FOLDER_VARIABLE: Final = "SPACECRAFT_GNC_CACHE"
+"""Environment variable with the folder in place of the user's cache folder."""
+
+_VERSION: Final = "periodic sets 2"  # raise it when the same data give other rows
 _KINDS: Final = {
-    "state_rows": "f8", "reference_rows": "f8", "bounds": "f8", "constraint": "i8", "ahead": "i8",
-    "inside": "f8", "counts": "i8", "closing": "f8",
+    "counts": "i8", "source": "i4", "ahead": "i4", "closing": "f8",
+    "rows": "f8", "bounds": "f8", "constraint": "i8", "inside": "f8",
 }  # fmt: skip
+_STEADY: Final = ("rows", "bounds", "constraint", "inside")
 _UNREADABLE: Final = (
-    OSError, ValueError, TypeError, KeyError, EOFError, zipfile.BadZipFile,
+    OSError, ValueError, TypeError, KeyError, IndexError, EOFError, zipfile.BadZipFile, zlib.error,
 )  # fmt: skip
 
 
@@ -58,7 +67,8 @@ def cached_sets(
     folder : Path, optional
         In place of `cache_folder`.
     notice : callable, optional
-        Called with one line if a file is damaged, or the folder cannot be written.
+        Called with one line if a file is damaged, the folder cannot be written, or another process
+        computes the same sets and is waited for.
 
     Raises
     ------
@@ -70,21 +80,62 @@ def cached_sets(
     tell = notice if notice is not None else _silent
     key = data_key(loop, constraints, options)
     path = (cache_folder() if folder is None else folder) / f"{key}.npz"
-    if path.exists():
-        try:
-            return _read(path, key, loop, constraints)
-        except _UNREADABLE as error:
-            tell(f"{path}: not the sets it should hold ({error}); they are computed again")
-    sets = admissible_sets(loop, constraints, options, progress)
+    stored = _stored(path, key, loop, tell)
+    if stored is None:
+        with _one_at_a_time(path, tell):
+            stored = _stored(path, key, loop, _silent)  # another process may have been quicker
+            if stored is None:
+                stored = _computed(loop, constraints, options, progress)
+                try:
+                    _write(path, key, *stored)
+                except OSError as error:
+                    tell(f"{path}: cannot be written ({error.strerror}); computed again next time")
+    steady, found = stored
+    return found.sets(loop, constraints, steady)
+
+
+def _computed(
+    loop: PeriodicLoop,
+    constraints: PeriodicConstraints,
+    options: SetOptions,
+    progress: Progress | None,
+) -> tuple[SteadyReferences, FoundMembers]:
+    steady = steady_references(loop, constraints, options.steady_share, options.tolerance)
+    return steady, found_members(loop, constraints, steady, options, progress)
+
+
+def _stored(
+    path: Path, key: str, loop: PeriodicLoop, tell: Callable[[str], None]
+) -> tuple[SteadyReferences, FoundMembers] | None:
+    if not path.exists():
+        return None
     try:
-        _write(path, key, sets)
-    except OSError as error:
-        tell(f"{path}: cannot be written ({error.strerror}); the sets are computed again next time")
-    return sets
+        return _read(path, key, loop)
+    except _UNREADABLE as error:
+        tell(f"{path}: not the sets it should hold ({error}); they are computed again")
+        return None
+
+
+@contextlib.contextmanager
+def _one_at_a_time(path: Path, tell: Callable[[str], None]) -> Iterator[None]:
+    """Hold the lock of a file; where there is no lock to be had, every process computes."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            if sys.platform != "win32":
+                lock = stack.enter_context(path.with_suffix(".lock").open("ab"))
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    tell(f"{path}: another process computes these sets; waiting for it")
+                    fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
 
 
 def cache_folder() -> Path:
-    """Return the folder for sets in the user's cache folder, as the platform has it."""
+    """Return the folder for sets: of the environment variable, or the user's on the platform."""
+    if os.environ.get(FOLDER_VARIABLE):
+        return Path(os.environ[FOLDER_VARIABLE])
     if sys.platform == "darwin":
         base = Path("~/Library/Caches").expanduser()
     elif sys.platform == "win32":
@@ -118,17 +169,19 @@ def _digest(texts: list[str], arrays: list[NDArray[Any]]) -> str:
     return found.hexdigest()
 
 
-def _write(path: Path, key: str, sets: AdmissibleSets) -> None:
-    arrays = {name: np.concatenate([getattr(o, name) for o in sets.sets]) for name in _ROW_ARRAYS}
-    arrays["inside"] = sets.inside
-    arrays["counts"] = np.array([len(o.bounds) for o in sets.sets])
-    arrays["closing"] = np.array([sets.determined, sets.steps, sets.excess], dtype=np.float64)
+def _write(path: Path, key: str, steady: SteadyReferences, found: FoundMembers) -> None:
+    arrays = {
+        "counts": np.array([len(m.ahead) for m in found.members]),
+        "source": np.concatenate([m.source for m in found.members]).astype(np.int32),
+        "ahead": np.concatenate([m.ahead for m in found.members]).astype(np.int32),
+        "closing": np.array([found.determined, found.steps, found.excess], dtype=np.float64),
+    } | steady._asdict()
     check = np.array(_digest([key], [arrays[name] for name in _KINDS]))
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=".tmp")
     try:
         with os.fdopen(handle, "wb") as file:
-            np.savez(file, check=check, **arrays)  # type: ignore[arg-type]
+            np.savez_compressed(file, check=check, **arrays)  # type: ignore[arg-type]
             file.flush()
             os.fsync(file.fileno())
         Path(name).replace(path)
@@ -138,10 +191,11 @@ def _write(path: Path, key: str, sets: AdmissibleSets) -> None:
         raise
 
 
-def _read(
-    path: Path, key: str, loop: PeriodicLoop, constraints: PeriodicConstraints
-) -> AdmissibleSets:
-    with np.load(path, allow_pickle=False) as file:
+def _read(path: Path, key: str, loop: PeriodicLoop) -> tuple[SteadyReferences, FoundMembers]:
+    with path.open("rb") as opened:
+        file = np.load(opened, allow_pickle=False)
+        if not isinstance(file, np.lib.npyio.NpzFile):
+            raise ValueError("it is a single array")
         arrays = {name: file[name] for name in _KINDS}
         check = str(file["check"])
     for name, kind in _KINDS.items():
@@ -150,18 +204,16 @@ def _read(
     if check != _digest([key], [arrays[name] for name in _KINDS]):
         raise ValueError("its checksum is wrong")
     counts, (determined, steps, excess) = arrays["counts"], arrays["closing"]
-    if counts.shape != (loop.period,) or arrays["bounds"].shape != (counts.sum(),):
+    source, ahead = (arrays[name].astype(np.int64) for name in ("source", "ahead"))
+    if counts.shape != (loop.period,) or source.shape != (counts.sum(),):
         raise ValueError("its arrays do not fit")
     ends = np.cumsum(counts)
-    columns = [read_only(arrays[name]) for name in _ROW_ARRAYS]
-    sets = tuple(
-        AdmissibleSet(*(column[end - count : end] for column in columns))
+    members = tuple(
+        Members(source[end - count : end], ahead[end - count : end])
         for end, count in zip(ends, counts, strict=True)
     )
-    inside = read_only(arrays["inside"])
-    return AdmissibleSets(
-        sets, constraints.names, inside, bool(determined), int(steps), float(excess)
-    )
+    steady = SteadyReferences(*(arrays[name] for name in _STEADY))
+    return steady, FoundMembers(members, bool(determined), int(steps), float(excess))
 
 
 def _silent(_: str) -> None:

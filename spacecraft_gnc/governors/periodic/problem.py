@@ -62,12 +62,12 @@ class PeriodicLoop:
     @property
     def n_states(self) -> int:
         """Number of states n."""
-        return self.state_map.shape[1]
+        return int(self.state_map.shape[1])
 
     @property
     def n_references(self) -> int:
         """Number of references q."""
-        return self.reference_map.shape[2]
+        return int(self.reference_map.shape[2])
 
     @property
     def spectral_radius(self) -> float:

@@ -14,7 +14,7 @@ import daqp
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from spacecraft_gnc.arrays import as_finite
+from spacecraft_gnc.arrays import as_finite, as_float
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.types import Array
 
@@ -53,7 +53,7 @@ class Weight:
     """
 
     def __init__(self, matrix: object) -> None:
-        shape = np.shape(matrix)
+        shape = as_float("weight", matrix, "finite numbers").shape
         square = shape * 2 if len(shape) == 1 else (shape[-1:] or (1,)) * 2
         full = as_finite("weight", matrix, shape, "finite numbers")
         full = np.diag(full) if len(shape) == 1 else full

@@ -1,17 +1,17 @@
 """Removal of redundant rows from polyhedra that contain the origin.
 
-A polyhedron {z : a_j . z <= 1} is given by its polar rows a_j. Row i is redundant if a_i . z <= 1
-follows from the others. Rays from the origin find most of the rows that are needed: the row that a
-ray meets first is one. The rest are decided by Clarkson's method, one small program for each: is
-there a z with a_i . z >= 1 + tolerance inside the needed rows found so far? If there is, the ray
-through it meets a needed row; if there is none, row i is redundant (Farkas). The program is a
-feasibility LP, solved as the projection of the origin by a dual active-set method, which ends with
-a certificate in either case.
+A polyhedron {z : a_j . z <= 1} is given by its polar rows a_j. Row i is needed if some z goes
+beyond it and keeps the others: then the ray through z meets row i first. Rays that are known, or
+spread evenly, show this for most of the rows. The rest are decided by Clarkson's method, one small
+program for each: is there a z with a_i . z >= 1 + tolerance inside the needed rows found so far?
+If there is, the row that the ray through it meets is needed; if there is none, row i is redundant
+(Farkas). The program is a feasibility LP, solved as the projection of the origin by a dual
+active-set method, which ends with a certificate in either case.
 """
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import daqp
 import numpy as np
@@ -22,100 +22,65 @@ from spacecraft_gnc.types import Array
 _FREE: Final = 1e30  # no bound, for the solver
 _FEASIBLE: Final = 1
 _INFEASIBLE: Final = -1
-_RAYS: Final = 512
-_NEARLY_PARALLEL: Final = 1e-12  # 1 - cos^2 of rows that are compared number by number
-_SAME: Final = 1e-3  # of the tolerance, within which numbers count as equal
+_SPREAD: Final = 512  # rays beside the known ones
+_BLOCK: Final = 512  # rays compared with every row at a time, for the sake of memory
 _SHARPEST: Final = 1e-12  # relative singular value below which the rows do not span a direction
 
 
-def needed_rows(polar: Array, tolerance: float) -> NDArray[np.int64]:
-    """Return the sorted indices of rows that describe the same polyhedron, to a tolerance.
+class NeededRows(NamedTuple):
+    """Rows that describe a polyhedron."""
+
+    indices: NDArray[np.int64]
+    """(r,) sorted."""
+    rays: Array
+    """(r, d) points on the polyhedron's border; each shows that its row is needed."""
+
+
+def needed_rows(polar: Array, tolerance: float, rays: Array | None = None) -> NeededRows:
+    """Return the rows that describe the same polyhedron, to a tolerance.
 
     Parameters
     ----------
     polar : (m, d) array
-        Rows a_j of {z : a_j . z <= 1}. Of equal rows the first one stays.
+        Rows a_j of {z : a_j . z <= 1}.
     tolerance : float
         Share of 1 by which a row that is left out may be exceeded.
+    rays : (s, d) array, optional
+        Rays from the origin that are likely to meet different rows first.
 
     Notes
     -----
     A row that the solver cannot decide stays: a row too many changes nothing.
     """
-    if not len(polar):
-        return np.empty(0, dtype=np.int64)
-    rows = _rounded(polar)
-    left = _distinct(rows, tolerance)
-    rows = rows[left]
-    needed = _first_met(rows)
-    for i in range(len(rows)):
+    if not polar.any():
+        return NeededRows(np.empty(0, dtype=np.int64), np.empty((0, polar.shape[1])))
+    turn = _rounding(polar)
+    rows = np.ascontiguousarray(polar @ turn)
+    spread = np.random.Generator(np.random.Philox(key=0)).standard_normal((_SPREAD, rows.shape[1]))
+    if rays is not None:
+        spread = np.vstack([np.linalg.lstsq(turn, rays.T, rcond=None)[0].T, spread])
+    needed, witness = _first_met(rows, spread, tolerance)
+    inside = _Inside(rows, needed)
+    for i in np.flatnonzero(~needed & rows.any(axis=1)):
         while not needed[i]:
-            beyond = _point_beyond(rows, needed, i, tolerance)
+            beyond = inside.beyond(rows[i], tolerance)
             if beyond is None:
                 break
-            met = int(np.argmax(rows @ beyond))
-            needed[i if needed[met] else met] = True
-    return np.asarray(left[needed])
+            along = rows @ beyond
+            met = int(np.argmax(along))
+            met = int(i) if needed[met] else met
+            needed[met], witness[met] = True, beyond / along[met]
+            inside.add(rows[met])
+    found = np.flatnonzero(needed)
+    return NeededRows(found, witness[found] @ turn.T)
 
 
 def is_implied(row: Array, polar: Array, tolerance: float) -> bool:
     """Tell whether row . z <= 1 + tolerance on {z : a_j . z <= 1}; False where undecided."""
-    rows = _rounded(np.vstack([polar, row]))
+    rows = np.vstack([polar, row])
+    rows = np.ascontiguousarray(rows @ _rounding(rows))
     among = np.arange(len(rows)) < len(polar)
-    return _point_beyond(rows, among, len(polar), tolerance) is None
-
-
-def _rounded(polar: Array) -> Array:
-    """Return the rows in coordinates in which they point in all directions about equally.
-
-    Directions that no row sees are left out.
-    """
-    _, singular, right = np.linalg.svd(polar, full_matrices=False)
-    seen = singular > _SHARPEST * singular[0]
-    return np.asarray((polar @ right[seen].T) * (np.sqrt(len(polar)) / singular[seen]))
-
-
-def _distinct(rows: Array, tolerance: float) -> NDArray[np.int64]:
-    """Return indices without rows that another row in the same direction implies."""
-    squares = np.einsum("ij,ij->i", rows, rows)
-    products = rows @ rows.T
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = products / squares[None, :]  # a_i is about share a_j
-        near = np.abs(1.0 - share * products / squares[:, None]) <= _NEARLY_PARALLEL
-    i, j = np.nonzero(near & (share >= 0.0) & (share <= 1.0 + tolerance))
-    apart = np.abs(rows[i] - share[i, j, None] * rows[j]).max(axis=1)
-    implied = np.zeros_like(near)
-    implied[i, j] = apart <= _SAME * tolerance * np.sqrt(squares[i])
-    np.fill_diagonal(implied, val=False)
-    later = np.tril(np.ones_like(implied), -1)
-    implied &= ~implied.T | later  # of two equal rows the later one goes
-    return np.flatnonzero(~implied.any(axis=1) & (squares > 0.0))
-
-
-def _first_met(rows: Array) -> NDArray[np.bool_]:
-    """Return a mask (m,) of the rows that rays meet first: along each row, and evenly spread."""
-    generator = np.random.Generator(np.random.Philox(key=0))
-    rays = np.vstack([rows, generator.standard_normal((_RAYS, rows.shape[1]))])
-    along = rows @ rays.T
-    met = along.argmax(axis=0)
-    needed = np.zeros(len(rows), dtype=bool)
-    needed[met[along[met, np.arange(len(rays))] > 0.0]] = True
-    return needed
-
-
-def _point_beyond(rows: Array, among: NDArray[np.bool_], i: int, tolerance: float) -> Array | None:
-    """Return a z beyond row i that keeps the rows ``among``; None if there is none."""
-    chosen = np.append(np.flatnonzero(among), i)
-    upper, lower = np.ones(len(chosen)), np.full(len(chosen), -_FREE)
-    upper[-1], lower[-1] = _FREE, 1.0 + tolerance
-    d = rows.shape[1]
-    z, _, status, _ = daqp.solve(
-        np.eye(d), np.zeros(d), rows[chosen], upper, lower,
-        np.zeros(len(chosen), dtype=np.intc), primal_tol=0.1 * tolerance,
-    )  # fmt: skip
-    if status == _INFEASIBLE:
-        return None
-    return np.asarray(z if status == _FEASIBLE else rows[i])
+    return _Inside(rows, among).beyond(rows[-1], tolerance) is None
 
 
 def farthest(row: Array, polar: Array) -> float:
@@ -124,3 +89,60 @@ def farthest(row: Array, polar: Array) -> float:
 
     found = linprog(-row, A_ub=polar, b_ub=np.ones(len(polar)), bounds=(None, None), method="highs")
     return -float(found.fun) if found.status == 0 else np.inf
+
+
+def _rounding(polar: Array) -> Array:
+    """Return the map (d, e), z = map y, to coordinates in which rows point about everywhere.
+
+    Directions that no row sees are left out.
+    """
+    _, singular, right = np.linalg.svd(polar, full_matrices=False)
+    seen = singular > _SHARPEST * singular[0]
+    return np.asarray(right[seen].T * (np.sqrt(len(polar)) / singular[seen]))
+
+
+def _first_met(rows: Array, rays: Array, tolerance: float) -> tuple[NDArray[np.bool_], Array]:
+    """Return a mask (m,) of rows that rays meet well before any other, and where (m, d)."""
+    needed, witness = np.zeros(len(rows), dtype=bool), np.zeros_like(rows)
+    for start in range(0, len(rays), _BLOCK):
+        block = rays[start : start + _BLOCK]
+        along, each = block @ rows.T, np.arange(len(block))
+        met = along.argmax(axis=1)
+        farthest = along[each, met]
+        along[each, met] = 0.0
+        clear = farthest > (1.0 + tolerance) * along.max(axis=1)
+        needed[met[clear]] = True
+        witness[met[clear]] = block[clear] / farthest[clear, None]
+    return needed, witness
+
+
+class _Inside:
+    """Search of points in a growing polyhedron {y : a_j . y <= 1}."""
+
+    def __init__(self, rows: Array, among: NDArray[np.bool_]) -> None:
+        self._count = int(np.count_nonzero(among))
+        self._rows = np.empty((len(rows) + 1, rows.shape[1]))
+        self._rows[: self._count] = rows[among]
+        self._upper, self._lower = np.ones(len(rows) + 1), np.full(len(rows) + 1, -_FREE)
+        self._senses = np.zeros(len(rows) + 1, dtype=np.intc)
+        self._metric, self._slope = np.eye(rows.shape[1]), np.zeros(rows.shape[1])
+
+    def add(self, row: Array) -> None:
+        """Cut the polyhedron by another row."""
+        self._rows[self._count] = row
+        self._count += 1
+
+    def beyond(self, row: Array, tolerance: float) -> Array | None:
+        """Return a point with row . y >= 1 + tolerance; None if there is none."""
+        last, end = self._count, self._count + 1
+        self._rows[last] = row
+        self._upper[last], self._lower[last] = _FREE, 1.0 + tolerance
+        self._senses[:end] = 0
+        y, _, status, _ = daqp.solve(
+            self._metric, self._slope, self._rows[:end], self._upper[:end], self._lower[:end],
+            self._senses[:end], primal_tol=0.1 * tolerance,
+        )  # fmt: skip
+        self._upper[last], self._lower[last] = 1.0, -_FREE
+        if status == _INFEASIBLE:
+            return None
+        return np.asarray(y) if status == _FEASIBLE else row.copy()

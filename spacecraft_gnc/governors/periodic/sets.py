@@ -1,69 +1,32 @@
-"""Maximal output admissible sets O_infinity,k of a periodic loop, computed off-line.
-
-O_k holds the pairs (x, v) from which, with v held, every constraint is kept from step k on. One
-backward step leads to it from the next one, O_k = {C_k x + D_k v <= c_k} and {(A_k x + B_k v, v) in
-O_{k+1}}, and redundant rows are removed after each. The recursion starts from the steady-state
-rows, tightened, and goes round the period until a set comes out as it was one period before: from
-then on it repeats, so that the sets are invariant. docs/periodic_governor.md has theory and
-figures. Source: report of AFRL, section 3.2.2; Gilbert and Tan, IEEE TAC 36(9), 1991.
-"""
+"""Admissible sets O_infinity,k of one period, and their rows from the loop and what they are of."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from spacecraft_gnc.arguments import as_count, as_real, require_kind
 from spacecraft_gnc.arrays import as_shaped
 from spacecraft_gnc.governors.periodic.problem import PeriodicConstraints, PeriodicLoop
-from spacecraft_gnc.governors.periodic.redundancy import farthest, is_implied, needed_rows
-from spacecraft_gnc.governors.periodic.steady import (
-    EmptySetError,
-    SteadyReferences,
-    steady_references,
-)
+from spacecraft_gnc.governors.periodic.steady import SteadyReferences
 from spacecraft_gnc.types import Array, read_only
-
-__all__ = ["AdmissibleSet", "AdmissibleSets", "EmptySetError", "SetOptions", "admissible_sets"]
 
 STEADY: Final = -1
 """``ahead`` of a steady-state row."""
 
 Indices = NDArray[np.int64]
-Progress = Callable[[int, int, int], None]
-"""Called with (backward steps done, most backward steps, rows of the set just found)."""
 
 
-@dataclass(frozen=True, slots=True)
-class SetOptions:
-    """Options of `admissible_sets`.
+class Members(NamedTuple):
+    """Which rows a set holds, sorted by ``ahead``, then ``source``."""
 
-    Attributes
-    ----------
-    steady_share : float
-        Share of each bound that steady states may use; below 1, so that the sets are finitely
-        determined. What is kept back is (1 - share) |bound|.
-    most_steps : int
-        Largest number of steps ahead up to which rows are computed.
-    tolerance : float
-        Share of the room at a steady state inside the set by which a removed row may be exceeded.
-    """
-
-    steady_share: float = 0.99
-    most_steps: int = 1000
-    tolerance: float = 1e-9
-
-    def __post_init__(self) -> None:
-        between = "a number between 0 and 1, both excluded"
-        as_real("steady_share", self.steady_share, lambda x: 0.0 < x < 1.0, between, "give 0.99")
-        as_real("tolerance", self.tolerance, lambda x: 1e-12 <= x <= 1e-3, "1e-12 to 1e-3", "1e-9")
-        as_count("most_steps", self.most_steps)
+    source: Indices
+    """(r,) index of the constraint; of the row of V where ``ahead`` is STEADY."""
+    ahead: Indices
+    """(r,) number of steps ahead."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,14 +53,6 @@ class AdmissibleSet:
     def slacks(self, state: Array, reference: Array) -> Array:
         """Return the slack (r,) of each row in its own unit; negative where it is broken."""
         return np.asarray(self.bounds - self.state_rows @ state - self.reference_rows @ reference)
-
-
-def _columns(rows: AdmissibleSet) -> tuple[Array, Array, Array, Indices, Indices]:
-    return rows.state_rows, rows.reference_rows, rows.bounds, rows.constraint, rows.ahead
-
-
-def _taken(rows: AdmissibleSet, which: Indices) -> AdmissibleSet:
-    return AdmissibleSet(*(read_only(x[which]) for x in _columns(rows)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,122 +104,77 @@ class AdmissibleSets:
         return bool((o.slacks(x, v) >= -tolerance).all())
 
 
-def admissible_sets(
+def inside_points(loop: PeriodicLoop, steady: SteadyReferences) -> Array:
+    """Return the periodic steady state of the reference inside V, and that reference (p, n + q)."""
+    states = loop.steady_maps() @ steady.inside
+    return np.hstack([states, np.tile(steady.inside, (loop.period, 1))])
+
+
+def assembled(
     loop: PeriodicLoop,
     constraints: PeriodicConstraints,
-    options: SetOptions | None = None,
-    progress: Progress | None = None,
-) -> AdmissibleSets:
-    """Return the sets O_infinity,k, k = 0..p-1, without redundant rows.
-
-    Parameters
-    ----------
-    loop : PeriodicLoop
-    constraints : PeriodicConstraints
-    options : SetOptions, optional
-    progress : callable, optional
-        Called after each backward step with the steps done, the most there can be, and the number
-        of rows of the set just found.
-
-    Raises
-    ------
-    EmptySetError
-        If the sets are empty, with the constraints that cannot be kept together.
-    ShapeError
-        If loop and constraints do not fit.
-    """
-    loop = require_kind("loop", loop, PeriodicLoop)
-    constraints = require_kind("constraints", constraints, PeriodicConstraints)
-    constraints.require_fit(loop)
-    options = SetOptions() if options is None else options
-    steady = steady_references(loop, constraints, options.steady_share, options.tolerance)
-    recursion = _Recursion(loop, constraints, steady, options.tolerance)
-    most = loop.period + options.most_steps
-    found: dict[int, AdmissibleSet] = {}
-    determined, excess = False, float("inf")
-    for count, k, rows in recursion:
-        if progress is not None:
-            progress(count, most, len(rows.bounds))
-        before = found.get(k)
-        found[k] = rows
-        if before is not None and recursion.is_closed(k, before, rows):
-            found[k], determined, excess = before, True, 0.0
-        elif before is not None and count == most:
-            excess = recursion.excess(k, before, rows)
-        if determined or count == most:
-            break
-    sets = tuple(found[k] for k in range(loop.period))
-    return AdmissibleSets(sets, constraints.names, recursion.inside, determined, count, excess)
+    steady: SteadyReferences,
+    members: Sequence[Members],
+) -> tuple[AdmissibleSet, ...]:
+    """Return the sets with these members; the same bits for sets found and sets read again."""
+    horizon = max(int(m.ahead.max(initial=STEADY)) for m in members)
+    flow = _flow(loop, loop.period - 1, horizon)
+    found = []
+    for k in reversed(range(loop.period)):
+        found.append(_set_of(k, flow, constraints, steady, members[k]))
+        flow[1:] = led_back(flow[:-1], loop.state_map[k - 1], loop.reference_map[k - 1])
+    return tuple(reversed(found))
 
 
-class _Recursion:
-    """Backward steps round the period, without end."""
-
-    def __init__(
-        self,
-        loop: PeriodicLoop,
-        constraints: PeriodicConstraints,
-        steady: SteadyReferences,
-        tolerance: float,
-    ) -> None:
-        self._loop, self._constraints, self._tolerance = loop, constraints, tolerance
-        self._steady = AdmissibleSet(
-            np.zeros((len(steady.bounds), loop.n_states)),
-            steady.rows,
-            steady.bounds,
-            steady.constraint,
-            np.full(len(steady.bounds), STEADY),
-        )
-        states = loop.steady_maps() @ steady.inside
-        self.inside = read_only(np.hstack([states, np.tile(steady.inside, (loop.period, 1))]))
-
-    def __iter__(self) -> Iterator[tuple[int, int, AdmissibleSet]]:
-        """Yield (number of the backward step, k, set of step k)."""
-        rows = self._steady
-        for count in itertools.count(1):
-            k = -count % self._loop.period
-            rows = self._before(k, rows)
-            rows = _taken(rows, needed_rows(_polar(rows, self.inside[k]), self._tolerance))
-            yield count, k, rows
-
-    def is_closed(self, k: int, before: AdmissibleSet, rows: AdmissibleSet) -> bool:
-        """Tell whether the set of one period before already keeps every row of the new one."""
-        polar = _polar(before, self.inside[k])
-        return all(is_implied(row, polar, self._tolerance) for row in self._new(k, before, rows))
-
-    def excess(self, k: int, before: AdmissibleSet, rows: AdmissibleSet) -> float:
-        """Return by how much the new rows can be exceeded in the set of one period before."""
-        polar = _polar(before, self.inside[k])
-        return max(farthest(row, polar) - 1.0 for row in self._new(k, before, rows))
-
-    def _new(self, k: int, before: AdmissibleSet, rows: AdmissibleSet) -> Array:
-        """Return the polar rows that were not there before, those furthest ahead first."""
-        old, new = (_polar(x, self.inside[k]) for x in (before, rows))
-        size = np.abs(new).max(axis=1, initial=0.0)
-        apart = cKDTree(old).query(new, p=np.inf)[0]
-        fresh = np.flatnonzero(apart > 1e-3 * self._tolerance * size)
-        return np.asarray(new[fresh[np.argsort(-rows.ahead[fresh], kind="stable")]])
-
-    def _before(self, k: int, later: AdmissibleSet) -> AdmissibleSet:
-        """Return the steady-state rows, those of step k, and those of step k + 1 led back."""
-        a, b, c = self._loop.state_map[k], self._loop.reference_map[k], self._constraints
-        now = np.flatnonzero(np.isfinite(c.bounds[k]))
-        later = _taken(later, np.flatnonzero(later.ahead != STEADY))
-        present = AdmissibleSet(
-            c.state_rows[k, now], c.reference_rows[k, now], c.bounds[k, now], now, 0 * now
-        )
-        led_back = AdmissibleSet(
-            later.state_rows @ a,
-            later.state_rows @ b + later.reference_rows,
-            later.bounds,
-            later.constraint,
-            later.ahead + 1,
-        )
-        parts = (_columns(x) for x in (self._steady, present, led_back))
-        return AdmissibleSet(*(np.concatenate(x) for x in zip(*parts, strict=True)))
+def _flow(loop: PeriodicLoop, k: int, horizon: int) -> Array:
+    """Return the maps (horizon + 1, n, n + q) from (x_k, v) to x_{k+j}."""
+    n, q = loop.n_states, loop.n_references
+    flow = np.zeros((horizon + 2, n, n + q))
+    flow[0, :, :n] = np.eye(n)
+    for j in range(horizon + 1):
+        i = (k + j) % loop.period
+        flow[j + 1] = loop.state_map[i] @ flow[j]
+        flow[j + 1, :, n:] += loop.reference_map[i]
+    return flow
 
 
-def _polar(rows: AdmissibleSet, inside: Array) -> Array:
-    """Return the rows (r, n + q) about a point inside, each divided by its room there."""
-    stacked = np.hstack([rows.state_rows, rows.reference_rows])
-    return np.asarray(stacked / (rows.bounds - stacked @ inside)[:, None])
+def led_back(rows: Array, state_map: Array, reference_map: Array) -> Array:
+    """Return rows on (x_{k+1}, v) as rows on (x_k, v)."""
+    n = len(state_map)
+    return np.concatenate(
+        [rows[..., :n] @ state_map, rows[..., :n] @ reference_map + rows[..., n:]], axis=-1
+    )
+
+
+def _set_of(
+    k: int,
+    flow: Array,
+    constraints: PeriodicConstraints,
+    steady: SteadyReferences,
+    members: Members,
+) -> AdmissibleSet:
+    source, ahead = members
+    n = constraints.state_rows.shape[2]
+    rows, bounds = np.zeros((len(source), flow.shape[2])), np.empty(len(source))
+    constraint = source.copy()
+    settled = ahead == STEADY
+    rows[settled, n:], bounds[settled] = (
+        steady.rows[source[settled]],
+        steady.bounds[source[settled]],
+    )
+    constraint[settled] = steady.constraint[source[settled]]
+    starts = np.searchsorted(ahead, np.arange(len(flow) + 1))
+    for j in range(len(flow)):
+        part, phase = slice(starts[j], starts[j + 1]), (k + j) % len(constraints.bounds)
+        rows[part] = constraints.state_rows[phase, source[part]] @ flow[j]
+        rows[part, n:] += constraints.reference_rows[phase, source[part]]
+        bounds[part] = constraints.bounds[phase, source[part]]
+    constraint.setflags(write=False)
+    ahead.setflags(write=False)
+    return AdmissibleSet(
+        read_only(np.ascontiguousarray(rows[:, :n])),
+        read_only(np.ascontiguousarray(rows[:, n:])),
+        read_only(bounds),
+        constraint,
+        ahead,
+    )

@@ -47,8 +47,6 @@ class SteadyReferences(NamedTuple):
     """(r,)"""
     constraint: NDArray[np.int64]
     """(r,) index of the constraint."""
-    phase: NDArray[np.int64]
-    """(r,) step of the period."""
     inside: Array
     """(q,) center of the largest ball in V, of radius 1 at most."""
 
@@ -68,19 +66,19 @@ def steady_references(
     rows = through + constraints.reference_rows
     size = np.abs(constraints.state_rows) @ np.abs(steady) + np.abs(constraints.reference_rows)
     rows[np.abs(rows) <= _NO_EFFECT * size] = 0.0
-    bounds = constraints.bounds - (1.0 - share) * np.abs(constraints.bounds)
-    phase, constraint = np.nonzero(np.isfinite(constraints.bounds))
-    rows, bounds = rows[phase, constraint], bounds[phase, constraint]
-    idle = ~rows.any(axis=1)
+    applies = np.isfinite(constraints.bounds)
+    constraint, rows, bounds = np.nonzero(applies)[1], rows[applies], constraints.bounds[applies]
+    bounds = bounds - (1.0 - share) * np.abs(bounds)
+    idle: NDArray[np.bool_] = ~np.any(rows, axis=1)
     _require_kept(bounds, idle, constraint, constraints.names)
-    rows, bounds, phase, constraint = (x[~idle] for x in (rows, bounds, phase, constraint))
+    rows, bounds, constraint = rows[~idle], bounds[~idle], constraint[~idle]
     if not len(rows):
         nothing = np.empty(0, dtype=np.int64)
         q = loop.n_references
-        return SteadyReferences(np.empty((0, q)), bounds, nothing, nothing, np.zeros(q))
+        return SteadyReferences(np.empty((0, q)), bounds, nothing, np.zeros(q))
     inside = _center(rows, bounds, [constraints.names[i] for i in constraint], share)
-    kept = needed_rows(rows / (bounds - rows @ inside)[:, None], tolerance)
-    return SteadyReferences(rows[kept], bounds[kept], constraint[kept], phase[kept], inside)
+    kept = needed_rows(rows / (bounds - rows @ inside)[:, None], tolerance).indices
+    return SteadyReferences(rows[kept], bounds[kept], constraint[kept], inside)
 
 
 def _require_kept(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from periodic_loops import random_loop
 
 from spacecraft_gnc.governors.periodic import SetOptions, cached_sets
-from spacecraft_gnc.governors.periodic.cache import cache_folder, data_key
+from spacecraft_gnc.governors.periodic.cache import FOLDER_VARIABLE, cache_folder, data_key
 
 LOOP, CONSTRAINTS = random_loop(3, 2)
 COLUMNS = ("state_rows", "reference_rows", "bounds", "constraint", "ahead")
@@ -44,7 +45,7 @@ def test_the_second_time_the_same_sets_are_read(tmp_path):
     second, steps, notices = fetch(tmp_path / "new" / "folder")
     assert (steps, notices) == (0, [])
     same(first, second)
-    assert len(list((tmp_path / "new" / "folder").iterdir())) == 1
+    assert len(list((tmp_path / "new" / "folder").glob("*.npz"))) == 1
     with pytest.raises(ValueError, match="read-only"):
         second.at(0).bounds[0] = 0.0
 
@@ -100,9 +101,9 @@ def altered(path, other):
 @pytest.mark.parametrize("harm", [cut, turned, exchanged, text, plain, foreign, pickled, altered])
 def test_a_file_that_is_not_what_it_should_be_is_replaced(tmp_path, harm):
     whole, _, _ = fetch(tmp_path)
-    (path,) = tmp_path.iterdir()
+    (path,) = tmp_path.glob("*.npz")
     fetch(tmp_path, SetOptions(steady_share=0.98))
-    (other,) = (file for file in tmp_path.iterdir() if file != path)
+    (other,) = (file for file in tmp_path.glob("*.npz") if file != path)
     harm(path, other)
     again, steps, notices = fetch(tmp_path)
     assert steps == whole.steps
@@ -125,10 +126,10 @@ def test_a_file_half_written_leaves_nothing(tmp_path, monkeypatch):
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(np, "savez", interrupted)
+    monkeypatch.setattr(np, "savez_compressed", interrupted)
     with pytest.raises(KeyboardInterrupt):
         fetch(tmp_path)
-    assert list(tmp_path.iterdir()) == []
+    assert [file.suffix for file in tmp_path.iterdir()] == [".lock"]
 
 
 @pytest.mark.parametrize(
@@ -137,9 +138,24 @@ def test_a_file_half_written_leaves_nothing(tmp_path, monkeypatch):
 )
 def test_the_folder_is_the_users_of_the_platform(monkeypatch, platform, folder):
     monkeypatch.setattr("sys.platform", platform)
+    monkeypatch.delenv(FOLDER_VARIABLE, raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", "/caches")
     monkeypatch.setenv("LOCALAPPDATA", "/local")
     assert cache_folder() == Path(folder).expanduser() / "spacecraft_gnc" / "periodic_sets"
     monkeypatch.setenv("XDG_CACHE_HOME", "relative")  # to be ignored, the standard says
     if platform == "linux":
         assert cache_folder().is_relative_to(Path("~/.cache").expanduser())
+
+
+def test_the_environment_names_another_folder(monkeypatch, tmp_path):
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path))
+    assert cache_folder() == tmp_path
+    assert fetch(None)[1] > 0
+    assert fetch(None)[1] == 0
+
+
+def test_of_several_that_ask_at_once_one_computes(tmp_path):
+    with ThreadPoolExecutor(3) as pool:  # each opens the lock for itself, as a process would
+        told = list(pool.map(lambda _: fetch(tmp_path)[1:], range(3)))
+    assert sorted(steps > 0 for steps, _ in told) == [False, False, True]
+    assert all("waiting for it" in notice for _, notices in told for notice in notices)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -47,10 +49,25 @@ def test_scipy_finds_the_same_reference(seed):
         jac=lambda v: matrix @ (v - wish),
         constraints={"type": "ineq", "fun": lambda v: bounds - rows @ v, "jac": lambda _: -rows},
         method="SLSQP",
-        options={"ftol": 1e-14, "maxiter": 500},
+        options={"ftol": 1e-12, "maxiter": 500},
     )
     assert other.success
-    assert np.abs(other.x - found.reference).max() < 1e-6
+    assert np.abs(other.x - found.reference).max() < 1e-5
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_no_set_of_active_rows_gives_a_nearer_reference(seed):
+    matrix, wish, rows, bounds = program(seed, 3, 10)
+    found = qp.nearest_reference(qp.Weight(matrix), wish, rows, bounds)
+    nearest, least = wish, np.inf
+    for active in itertools.chain(*(itertools.combinations(range(10), i) for i in range(4))):
+        h = rows[list(active)]
+        conditions = np.block([[matrix, h.T], [h, np.zeros((len(h), len(h)))]])
+        v = np.linalg.solve(conditions, np.append(matrix @ wish, bounds[list(active)]))[:3]
+        cost = (v - wish) @ matrix @ (v - wish)
+        if (rows @ v <= bounds + 1e-9).all() and cost < least:
+            nearest, least = v, cost
+    assert np.abs(nearest - found.reference).max() < EXACT
 
 
 def test_an_admissible_wish_is_granted():
