@@ -66,7 +66,7 @@ class Bodies {
     const styles = [
       ...run.bodies.flatMap((body) => [
         mesh({ color: body.color, name: body.name, showlegend: true,
-          lighting: { ambient: 0.7, diffuse: 0.5, specular: 0.05 } }),
+          lighting: { ambient: 0.75, diffuse: 0.6, specular: 0.05 }, lightposition: { x: 2000, y: -4000, z: 4000 } }),
         line({ line: { color: view.ink, width: 2 } }),
       ]),
       line({ mode: "markers", name: "ports", showlegend: run.bodies.length > 0, marker: { color: view.portColor, size: 4 } }),
@@ -111,7 +111,7 @@ class Bodies {
       font: { family: "system-ui, sans-serif", size: 12 },
       legend: { orientation: "h", x: 0, y: 0, yanchor: "top" },
       scene: { xaxis, yaxis, zaxis, aspectmode: "cube", dragmode: "orbit",
-        camera: { eye: { x: 0.75, y: -1.45, z: 0.75 }, projection: { type: "orthographic" } } } };
+        camera: { eye: { x: 0.56, y: -1.1, z: 0.56 }, projection: { type: "orthographic" } } } };
   }
 
   move(run, k) {

@@ -34,6 +34,8 @@ SIGHT_COLOR: Final = style.AXIS_COLORS[2]
 SNAPSHOT: Final = 150.0
 """Time between two snapshots [s], as in figure 6 of the report."""
 
+_SNAPSHOTS: Final = 9  # at the most, beside the last one
+
 
 class Flown(FlownRun, Protocol):
     """One run."""
@@ -81,6 +83,16 @@ def reference_deg(flight: DockingFlight) -> Array:
     return np.degrees(held(flight.reference[:, 3:]))
 
 
+def short_of_target(flight: DockingFlight) -> Array:
+    """Return how far (n,) the reference is from the target [m]."""
+    return np.asarray(np.linalg.norm((flight.reference - flight.target)[:, :3], axis=1))
+
+
+def slack_percent(flight: DockingFlight) -> Array:
+    """Return the slack (n,) of the admissible set [% of a row's room], without its rounding."""
+    return np.round(100.0 * flight.slack, 4)
+
+
 def force(flight: DockingFlight) -> Array:
     """Return the force (n + 1, 3) commanded, held over each step [N]."""
     return held(flight.force)
@@ -107,7 +119,8 @@ class Event(NamedTuple):
 
 def events(flight: DockingFlight) -> list[Event]:
     """Return losses of thrusters, their detection, changes of phase, and missing references."""
-    found = sorted({*_thruster_events(flight), *_phase_events(flight), *_answer_events(flight)})
+    found = [*_thruster_events(flight), *_phase_events(flight), *_answer_events(flight)]
+    found.sort(key=lambda event: event.time)
     return [_together(list(same)) for _, same in groupby(found, lambda event: event.time)]
 
 
@@ -186,11 +199,11 @@ def reach(run: Flown) -> float:
 
 
 def snapshot_rows(run: Flown) -> list[int]:
-    """Return the states every `SNAPSHOT` seconds, the first and the last among them."""
-    count = int((run.times[-1] - run.times[0] + 1e-9) // SNAPSHOT)
-    wanted = run.times[0] + SNAPSHOT * np.arange(count + 1)
-    rows = np.searchsorted(run.times, wanted - 1e-9).tolist()
-    return sorted({*rows, len(run.times) - 1})
+    """Return the states every `SNAPSHOT` seconds, or a multiple, and the last one; some ten."""
+    times = run.times - run.times[0]
+    every = SNAPSHOT * max(1, math.ceil(times[-1] / SNAPSHOT / _SNAPSHOTS))
+    wanted = np.arange(0.0, times[-1] + 1e-9, every)
+    return sorted({*np.searchsorted(times, wanted - 1e-9).tolist(), len(times) - 1})
 
 
 def chief_attitudes(run: Flown) -> Array:

@@ -55,7 +55,7 @@ class DockingFigures:
             "constraints": partial(stacked, SINGLE, draw["margins"]),
         }
         if np.isfinite(run.trajectory.residual).any():
-            makers["governor"] = partial(stacked, DOUBLE, draw["slack"], draw["time"])
+            makers["governor"] = partial(stacked, DOUBLE, draw["short"], draw["time"])
         makers["approach"] = partial(approach_figure, run)
         if run.scenario is not None:
             makers["snapshots"] = partial(snapshots_figure, run)
@@ -137,9 +137,9 @@ def _diagrams(run: Flown, scale: str) -> dict[str, Draw]:
             asked=series.reference_deg(flight), title="Rotation vector",
         ),
         "margins": partial(_margins, run=run),
-        "slack": governor(
-            values=100.0 * flight.slack, title="Smallest slack of the admissible set",
-            unit="% of a row's room",
+        "short": governor(
+            values=series.short_of_target(flight), unit="m",
+            title="Port offset of the reference less that of the target",
         ),
         "time": governor(
             values=1e3 * flight.solve_time, title="Time of the governor", unit="ms",
@@ -197,7 +197,8 @@ def _one(
     axes.plot(times, values, color=style.INK)
     if scale == "log":
         logarithmic(axes, values)
-        axes.set_ylim(bottom=max(_LEAST * docked, float(positive(values).min(initial=np.inf))))
+        lowest = max(_LEAST * docked, float(positive(values).min(initial=np.inf)))
+        axes.set_ylim(bottom=min(lowest, 0.5 * docked))
     if docked:
         axes.axhline(docked, color=style.AXIS_COLORS[2], linewidth=1.0, linestyle="--")
         axes.annotate(
@@ -250,6 +251,11 @@ def _margin_scale(axes: Axes, values: Array) -> None:
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
 
 
+def _least(run: Flown, values: Callable[[DockingFlight], Array]) -> float:
+    """Return how small line-of-sight margins or clearances may be [m]."""
+    return -series.limit_of(run.scenario, "clearance_tolerance") if values is clearances else 0.0
+
+
 def _largest_force(flight: DockingFlight) -> Array:
     return np.asarray(np.abs(series.force(flight)).max(axis=1))
 
@@ -278,7 +284,8 @@ def _of_runs(
         logarithmic(axes, np.concatenate(drawn))
     elif scale == "margin":
         _margin_scale(axes, np.concatenate(drawn))
-        limit(axes, 0.0)
+        for least in {_least(run, values) for run in runs}:
+            limit(axes, least)
     for most in sorted({series.limit_of(run.scenario, bound) for run in runs} if bound else ()):
         limit(axes, most)
     longest = max(runs, key=lambda run: float(run.times[-1]))

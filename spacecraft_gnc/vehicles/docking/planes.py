@@ -24,7 +24,6 @@ _WIDE: Final = 6.3  # [inch]
 _VIEW: Final = View(azimuth_deg=-62.0, elevation_deg=24.0)
 _COLUMNS: Final = 2
 _NEAR: Final = 2.2  # [m] of what is drawn around a docked pair
-_MOST_SNAPSHOTS: Final = 8
 
 
 def approach_figure(run: Flown) -> Figure:
@@ -79,8 +78,6 @@ def _reference_path(run: Flown) -> Array:
 def snapshots_figure(run: Flown) -> Figure:
     """Return the two bodies every `flown.SNAPSHOT` seconds, seen along one direction (figure 6)."""
     rows = series.snapshot_rows(run)
-    if len(rows) > _MOST_SNAPSHOTS:
-        rows = [rows[i] for i in np.linspace(0, len(rows) - 1, _MOST_SNAPSHOTS).round().astype(int)]
     lines = -(-len(rows) // _COLUMNS)
     with style.applied():
         figure = Figure((_WIDE, 0.4 + 2.4 * lines), layout="constrained")

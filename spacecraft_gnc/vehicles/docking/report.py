@@ -12,8 +12,8 @@ from spacecraft_gnc.drawing.bands import band
 from spacecraft_gnc.drawing.chart import (
     HELD,
     Chart,
+    Variant,
     components,
-    named,
     one_curve_each,
     over_time,
     span,
@@ -23,7 +23,6 @@ from spacecraft_gnc.drawing.marks import mark
 from spacecraft_gnc.drawing.sources import Stretch
 from spacecraft_gnc.drawing.traces import (
     Curve,
-    Trace,
     axis,
     component_line,
     limit,
@@ -47,6 +46,8 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.docking.flight import DockingFlight
     from spacecraft_gnc.vehicles.docking.scenario import Scenario
 
+_NEAR: Final = (-0.08, 0.25)
+"""[m] of a distance that is looked at closely."""
 _COUNTED: Final = {
     "missing_steps": "steps without a state or a command (gaps in the curves)",
     "inadmissible_steps": "steps without an admissible reference",
@@ -99,7 +100,9 @@ class DockingReport:
         """Yield the diagrams; those of one run show what happened."""
         for chart in _charts(runs, points):
             if len(runs) == 1 and not chart.wide:
-                mark(chart.figure, series.marks(runs[0].trajectory))
+                for figure in (chart.figure, *(variant.figure for variant in chart.variants)):
+                    if figure:
+                        mark(figure, series.marks(runs[0].trajectory))
             yield chart
 
     def scene(self, runs: Sequence[Flown], points: int) -> View:
@@ -117,11 +120,11 @@ REPORT: Final = DockingReport()
 def _charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
     yield _single(
         runs, points, "distance", "Distance of the ports", series.distance, "m",
-        "Docked below 2 cm, and 1 deg.", log_axis,
+        "Docked below 2 cm and 1 deg, for good.", log_axis,
     )  # fmt: skip
     yield _single(
-        runs, points, "angle", "Angle between deputy and chief", series.angle_deg, "deg", "",
-        log_axis,
+        runs, points, "angle", "Angle between deputy and chief", series.angle_deg, "deg",
+        "Of the rotation from one to the other.", log_axis,
     )  # fmt: skip
     yield _vector(
         runs, points, "force", "Force", series.force, "N", bound="max_force",
@@ -129,7 +132,7 @@ def _charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
     )  # fmt: skip
     yield _vector(
         runs, points, "moment", "Moment", series.moment, "N m", bound="max_moment",
-        note="Likewise.",
+        note="Commanded, chief frame, held over each step.",
     )  # fmt: skip
     yield _pursuit(
         runs, points, "offset", "Port offset", series.offset, series.reference_offset, "m"
@@ -138,15 +141,15 @@ def _charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         runs, points, "rotation", "Rotation vector", series.rotation_deg, series.reference_deg,
         "deg",
     )  # fmt: skip
-    yield _single(
+    yield _close(
         runs, points, "sight", "Line-of-sight margin", margins, "m",
-        "Least over each control step, between the steps too; below zero: out of sight.", axis,
+        "Least over each control step, between the steps too; below zero: out of sight.",
         bound=lambda _: 0.0,
     )  # fmt: skip
-    yield _single(
+    yield _close(
         runs, points, "clearance", "Clearance", clearances, "m",
         "Least distance of a vertex of the deputy from the plane of the docking face, likewise.",
-        axis, bound=lambda run: -series.limit_of(run.scenario, "clearance_tolerance"),
+        bound=lambda run: -series.limit_of(run.scenario, "clearance_tolerance"),
     )  # fmt: skip
     if any(np.isfinite(run.trajectory.residual).any() for run in runs):
         yield from _governor(runs, points)
@@ -160,7 +163,7 @@ def _charts(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
 
 def _governor(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
     yield _single(
-        runs, points, "slack", "Slack of the admissible set", lambda f: 100.0 * f.slack, "%",
+        runs, points, "slack", "Slack of the admissible set", series.slack_percent, "%",
         "Smallest of a row, as a share of its room; below zero: outside.", axis,
         bound=lambda _: 0.0,
     )  # fmt: skip
@@ -187,12 +190,30 @@ def _single(
         limit(span(runs), (side, side), f"at least {side:g} {unit}")
         for side in sorted({bound(run) for run in runs} if bound else ())
     ]
-    logarithmic = scale is log_axis
-    label = f"{title.lower()} [{unit}]"
-    return Chart(
-        name, title, note, over_time(runs, traces, scale(label)),
-        scale="yaxis" if logarithmic else "",
-    )  # fmt: skip
+    drawn = over_time(runs, traces, scale(f"{title.lower()} [{unit}]"))
+    return Chart(name, title, note, drawn, scale="yaxis" if scale is log_axis else "")
+
+
+def _close(
+    runs: Sequence[Flown],
+    points: int,
+    name: str,
+    title: str,
+    values: Callable[[DockingFlight], Array],
+    unit: str,
+    note: str,
+    bound: Callable[[Flown], float],
+) -> Chart:
+    """Return a diagram of a distance whose last centimeters can be looked at too."""
+    whole = _single(runs, points, name, title, values, unit, note, axis, bound)
+    near = _single(runs, points, name, title, values, unit, note, _near_axis, bound)
+    forms = (("whole", "whole", whole), ("near", "the last centimeters", near))
+    variants = tuple(Variant(form, text, note, chart.figure) for form, text, chart in forms)
+    return Chart(name, title, note, variants=variants)
+
+
+def _near_axis(title: str) -> dict[str, Any]:
+    return axis(title, range=_NEAR)
 
 
 def _vector(
@@ -230,29 +251,18 @@ def _pursuit(
     unit: str,
 ) -> Chart:
     """Return a diagram of what was flown, and dotted what the governor asked for."""
-    traces: list[Trace] = []
-    several = len(runs) > 1
+    several, traces = len(runs) > 1, []
     for i, run in enumerate(runs):
-        flown, reference = values(run.trajectory), asked(run.trajectory)
-        for j, part in enumerate("xyz"):
-            line = run_line(i) if several else component_line(j)
-            line = {**line, "dash": "solid"}
-            options = {"legendgroup": run.name, "showlegend": j == 0 or not several}
-            text = run.name if several else named(runs, run, part)
-            row = j if several else 0
-            times = times_of(run, flown)
-            traces.append(
-                trace(Curve(times, flown[:, j], text, line, row=row, options=options), points)
-            )
-            dotted = {**line, "dash": "dot", "width": 1.3, **HELD}
-            hidden = {**options, "showlegend": False}
-            traces.append(
-                trace(
-                    Curve(times, reference[:, j], f"{text}, reference", dotted, row=row,
-                          options=hidden),
-                    points,
-                )
-            )  # fmt: skip
+        parts = zip(values(run.trajectory).T, asked(run.trajectory).T, "xyz", strict=True)
+        for j, (flown, reference, part) in enumerate(parts):
+            line = {**(run_line(i) if several else component_line(j)), "dash": "solid"}
+            shown = {"legendgroup": run.name, "showlegend": j == 0} if several else {}
+            text, row = (run.name, j) if several else (part, 0)
+            curve = Curve(times_of(run, flown), flown, text, line, row=row, options=shown)
+            dotted = {**line, **HELD, "dash": "dot", "width": 1.3}
+            hidden = {**shown, "showlegend": False}
+            asked_for = Curve(curve.times, reference, f"{text}, reference", dotted, row, hidden)
+            traces += [trace(curve, points), trace(asked_for, points)]
     labels = [f"{part} [{unit}]" for part in "xyz"] if several else [f"{title.lower()} [{unit}]"]
     drawn = over_time(runs, traces, *(axis(text) for text in labels))
     return Chart(name, title, "Dotted: the governor's reference.", drawn, tall=several)

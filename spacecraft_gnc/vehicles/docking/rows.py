@@ -49,7 +49,6 @@ ROWS: Final = (
     Row("Steps with the reference short of the target", "governed_share", "%", factor=100.0),
     Row("Reference at the target from", "reference_settled_at", "s"),
     Row("Kept from it by (steps)", "steps", text=_held_back),
-    Row("Smallest slack of the admissible set", "min_slack", "%", factor=100.0),
     Row("Steps without an admissible reference", "inadmissible_steps"),
     Row("Governor's answers", text=_counted("answers")),
     Row("Phases", text=_counted("phases")),

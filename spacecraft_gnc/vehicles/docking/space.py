@@ -20,9 +20,9 @@ _WORDS: Final = Words(
     "Approach in 3-D",
     "Approach in the chief frame",
     "Chief and deputy as cuboids, the line-of-sight pyramid and the path of the deputy's port",
-    "Gray: chief; blue: deputy, thin every 150 s; dots: docking ports; line: path of the deputy's "
-    "port; green: pyramid in which it has to stay; diamond: {diamonds}. Drag to turn, scroll to "
-    "zoom.",
+    "Gray: chief; blue: deputy, thin at other times; dots: docking ports; line: path of the "
+    "deputy's port; green: pyramid in which it has to stay; diamond: {diamonds}. Drag to turn, "
+    "scroll to zoom.",
 )
 _FRAMES: Final = {
     "the chief frame": ("x", "y", "z"),
@@ -75,4 +75,4 @@ def _readout(run: Flown) -> Iterator[Readout]:
     if np.isfinite(flight.slack).any():
         active = run.telemetry.active
         notes = [names or "nothing active" for names in (*active, *active[-1:])]
-        yield Readout("slack [% of a row's room]", held(100.0 * flight.slack), notes)
+        yield Readout("slack [% of a row's room]", held(series.slack_percent(flight)), notes)
