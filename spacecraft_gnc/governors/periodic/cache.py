@@ -38,7 +38,7 @@ if sys.platform != "win32":
 FOLDER_VARIABLE: Final = "SPACECRAFT_GNC_CACHE"
 """Environment variable with the folder in place of the user's cache folder."""
 
-_VERSION: Final = "periodic sets 2"  # raise it when the same data give other rows
+_VERSION: Final = "periodic sets 3"  # raise it when the same data give other rows
 _KINDS: Final = {
     "counts": "i8", "source": "i4", "ahead": "i4", "closing": "f8",
     "rows": "f8", "bounds": "f8", "constraint": "i8", "inside": "f8",

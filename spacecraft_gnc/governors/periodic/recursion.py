@@ -10,8 +10,7 @@ figures. Source: report of AFRL, section 3.2.2; Gilbert and Tan, IEEE TAC 36(9),
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -129,16 +128,19 @@ def found_members(
     most = loop.period + options.most_steps
     found: dict[int, _Rows] = {}
     determined, excess = False, float("inf")
-    for count, k, rows in recursion:
+    rows = recursion.nothing
+    for count in range(1, most + 1):
+        k = -count % loop.period
+        before = found.get(k)
+        rows = recursion.step(k, rows, before)
         if progress is not None:
             progress(count, most, len(rows.bounds))
-        before = found.get(k)
         found[k] = rows
         if before is not None and recursion.is_closed(k, before, rows):
             found[k], determined, excess = before, True, 0.0
         elif before is not None and count == most:
             excess = recursion.excess(k, before, rows)
-        if determined or count == most:
+        if determined:
             break
     members = tuple(found[k].members() for k in range(loop.period))
     return FoundMembers(members, determined, count, excess)
@@ -171,7 +173,7 @@ class _Rows(NamedTuple):
 
 
 class _Recursion:
-    """Backward steps round the period, without end."""
+    """Backward steps round the period."""
 
     def __init__(
         self,
@@ -191,18 +193,18 @@ class _Recursion:
         )
         self._inside = inside_points(loop, steady)
 
-    def __iter__(self) -> Iterator[tuple[int, int, _Rows]]:
-        """Yield (number of the backward step, k, set of step k)."""
-        rows = self._steady.taken(np.empty(0, dtype=np.int64))
-        for count in itertools.count(1):
-            k = -count % self._loop.period
-            rows = self._before(k, rows)
-            kept = needed_rows(self._polar(k, rows), self._tolerance, rows.rays)
-            at = kept.indices
-            rows = _Rows(
-                rows.stacked[at], rows.bounds[at], rows.source[at], rows.ahead[at], kept.rays
-            )
-            yield count, k, rows
+    @property
+    def nothing(self) -> _Rows:
+        """No rows: what is known of the step after the last one."""
+        return self._steady.taken(np.empty(0, dtype=np.int64))
+
+    def step(self, k: int, later: _Rows, before: _Rows | None) -> _Rows:
+        """Return the set of step k from that of step k + 1; ``before``: of one period before."""
+        rows = self._before(k, later)
+        rays = rows.rays if before is None else np.vstack([rows.rays, before.rays])
+        kept = needed_rows(self._polar(k, rows), self._tolerance, rays)
+        at = kept.indices
+        return _Rows(rows.stacked[at], rows.bounds[at], rows.source[at], rows.ahead[at], kept.rays)
 
     def is_closed(self, k: int, before: _Rows, rows: _Rows) -> bool:
         """Tell whether the set of one period before already keeps every row of the new one."""

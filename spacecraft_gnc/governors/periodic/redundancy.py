@@ -24,6 +24,7 @@ _FEASIBLE: Final = 1
 _INFEASIBLE: Final = -1
 _SPREAD: Final = 512  # rays beside the known ones
 _BLOCK: Final = 512  # rays compared with every row at a time, for the sake of memory
+_CLEAR: Final = 0.5  # of the tolerance; points that were looked for go just beyond it
 _SHARPEST: Final = 1e-12  # relative singular value below which the rows do not span a direction
 
 
@@ -110,7 +111,7 @@ def _first_met(rows: Array, rays: Array, tolerance: float) -> tuple[NDArray[np.b
         met = along.argmax(axis=1)
         farthest = along[each, met]
         along[each, met] = 0.0
-        clear = farthest > (1.0 + tolerance) * along.max(axis=1)
+        clear = farthest > (1.0 + _CLEAR * tolerance) * along.max(axis=1)
         needed[met[clear]] = True
         witness[met[clear]] = block[clear] / farthest[clear, None]
     return needed, witness

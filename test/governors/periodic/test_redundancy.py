@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from periodic_loops import largest
@@ -46,3 +47,18 @@ def test_an_implied_row_is_told_from_one_that_is_not():
     assert farthest(np.array([2.0, 1.0]), square[:1]) == np.inf
     assert not is_implied(np.array([2.0, 1.0]), square[:1], 1e-9)
     assert len(needed_rows(np.empty((0, 3)), 1e-9).indices) == 0
+
+
+@given(st.integers(0, 10**6), st.integers(1, 6), st.integers(6, 40))
+def test_each_ray_meets_its_row_first_and_finds_it_again(seed, d, m):
+    rows = polyhedron(seed, d, m)
+    found = needed_rows(rows, 1e-9)
+    along = found.rays @ rows.T
+    others = along.copy()
+    for i, own in enumerate(found.indices):
+        same = np.abs(rows - rows[own]).max(axis=1) < 1e-12
+        others[i, same] = 0.0
+        assert along[i, own] == pytest.approx(1.0, abs=1e-6) or along[i, own] > 1.0
+        assert along[i, own] > others[i].max()
+    again = needed_rows(rows, 1e-9, found.rays)
+    assert np.array_equal(again.indices, found.indices)
