@@ -9,6 +9,8 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.vehicles.docking.flight import DockingFlight
+from spacecraft_gnc.vehicles.docking.report import REPORT
+from spacecraft_gnc.vehicles.docking.summary import metrics as summarized
 
 PERIOD = 5.0  # [s]
 START = np.array([20.0, 4.0, -3.0])  # [m]
@@ -102,10 +104,6 @@ def aborted(n=60):
 
 def run(name="flight", flown=None, known="docking", **metrics):
     """Return a run as figures and report take it."""
-    from spacecraft_gnc.vehicles.docking.report import REPORT
-
-    from spacecraft_gnc.vehicles.docking.summary import metrics as summarized
-
     flown = flight() if flown is None else flown
     found = scenario() if known == "docking" else known
     return SimpleNamespace(

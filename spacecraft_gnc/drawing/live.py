@@ -81,6 +81,21 @@ class Panel:
         return told | {"series": [one._asdict() for one in self.series]}
 
 
+class Cuboid(NamedTuple):
+    """A body of the picture."""
+
+    name: str
+    size: Any
+    """(3,) edges [m]."""
+    port: Any
+    """(3,) docking port, body frame [m]."""
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as JSON-able values."""
+        return {"name": self.name, "size": list(map(float, self.size)),
+                "port": list(map(float, self.port))}  # fmt: skip
+
+
 class Readout(NamedTuple):
     """A line of words beside the picture."""
 
@@ -111,7 +126,10 @@ class VehicleLive(Protocol):
 
         ``target`` (3, 3), None where it is not known, ``zones`` (`drawing.zones.Zone`) and
         ``rims`` (m, k, 3) of wheels in the body (`drawing.geometry.rim`), if there are any, are
-        drawn on the sphere; the rest is numbers and words.
+        drawn on the sphere. Where there are ``bodies`` (`Cuboid`), these are drawn in place of it,
+        the first at rest in the origin, with ``region`` (8, 3), corners in the order of
+        `drawing.solids.CORNERS`, and ``trail``, name of the value that is their path. The rest is
+        numbers and words.
         """
 
     def panels(self, scenario: Any) -> Sequence[Panel]:
@@ -122,7 +140,8 @@ class VehicleLive(Protocol):
 
         The sphere shows ``attitude``, ``reference`` and ``target`` (3, 3), body to inertial, and of
         wheels ``turning`` (m,), speed over its limit, ``healthy`` and ``diagnosed`` (m,), whether
-        each works and whether it counts as working on board.
+        each works and whether it counts as working on board. Bodies are where ``bodies`` has them,
+        by name: ``position`` (3,) and ``attitude`` (3, 3); ``aim`` (3,) is where the path is to go.
         """
 
     def readouts(self, values: Mapping[str, Any], governed: bool) -> dict[str, Iterable[Readout]]:

@@ -20,7 +20,7 @@ from spacecraft_gnc.vehicles.registry import vehicle_of
 from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
-_DRAWN: Final = ("target", "zones", "rims")
+_DRAWN: Final = ("target", "zones", "rims", "bodies", "region", "trail")
 """Constants that are drawn, and no number or word."""
 _CIRCLE: Final = 72  # points of a circle on the sphere
 
@@ -157,6 +157,9 @@ class Setup:
             "graticule": [_points(line) for line in graticule(_CIRCLE)],
             "rims": [_rim(zone) for zone in self.constants.get("zones", ())],
             "wheels": [_points(wheel) for wheel in self.constants.get("rims", ())],
+            "bodies": [body.as_json() for body in self.constants.get("bodies", ())],
+            "region": _points(self.constants.get("region", ())),
+            "trail": self.constants.get("trail", ""),
         }
 
 

@@ -171,14 +171,16 @@ def bodies(run: Flown) -> list[Body]:
         Body("chief", CHIEF_COLOR, p.chief_size, p.chief_port, np.zeros((n, 3)), still),
         Body(
             "deputy", DEPUTY_COLOR, p.deputy_size, p.deputy_port,
-            deputy_center(p, rho, attitude), attitude,
+            deputy_center(p.chief_port, p.deputy_port, rho, attitude), attitude,
         ),
     ]  # fmt: skip
 
 
-def deputy_center(plant: PlantParameters, port_offset: Array, attitude: Array) -> Array:
+def deputy_center(
+    chief_port: Array, deputy_port: Array, port_offset: Array, attitude: Array
+) -> Array:
     """Return the center of mass (..., 3) of the deputy relative to the chief's, chief frame [m]."""
-    return np.asarray(plant.chief_port + port_offset - attitude @ plant.deputy_port)
+    return np.asarray(chief_port + port_offset - attitude @ deputy_port)
 
 
 def sight(plant: PlantParameters, length: float) -> Array:

@@ -1,5 +1,6 @@
 // Receives the flight as server-sent events, and draws it. `window.view.state` is for tests.
 
+import { Bodies } from "./bodies.js";
 import { Panels } from "./panels.js";
 import { Scene } from "./scene.js";
 import { showHeader, showNumbers, showSetup } from "./status.js";
@@ -13,7 +14,8 @@ const colors = Object.fromEntries(
 const state = {
   events: 0, drawn: 0, numbers: [], setup: null, frame: null, columns: [], rows: [], axes: {}, span: [],
 };
-const scene = new Scene(by("scene"), colors, schedule);
+const scenes = [new Scene(by("scene"), colors, schedule), new Bodies(by("scene"), colors, schedule)];
+let scene = scenes[0];
 const panels = new Panels(by("panels"), colors);
 let pending = false;
 let lastEvent = Date.now();
@@ -38,11 +40,13 @@ function draw() {
   if (!frame) return;
   const times = column("time");
   const now = frame.time ?? 0;
-  const trail = state.rows.filter((row) => row[0] <= now).map((row) => row.at(-1)).filter((q) => q !== null);
+  const kept = setup?.trail ? state.columns.indexOf(setup.trail) : state.columns.length - 1;
+  const trail = state.rows.filter((row) => row[0] <= now).map((row) => row[kept]).filter((q) => q !== null);
   scene.draw(frame, setup, trail);
   state.span = timeSpan(times, now);
   panels.draw(frame, column, state.span, now);
   state.axes = { ...scene.tips };
+  state.ports = { ...scene.ports };
   state.drawn += 1;
 }
 
@@ -65,13 +69,22 @@ function roundUp(duration) {
 
 function onSetup(setup) {
   state.setup = setup;
+  scene = scenes[setup.bodies.length ? 1 : 0];
   showSetup(setup);
   panels.build(setup.panels);
-  by("legend").replaceChildren(...["dashed ring: target", "small ring: reference", ...(setup.zones.length ? ["dotted line: instrument of a zone"] : []), ...(setup.wheels.length ? ["disk: wheel, its arc the speed", "red: lost", "crossed: excluded"] : [])].map((text) => {
+  by("legend").replaceChildren(...legend(setup).map((text) => {
     const item = document.createElement("li");
     item.textContent = text;
     return item;
   }));
+}
+
+function legend({ bodies, zones, wheels }) {
+  if (bodies.length) return ["dots: ports", "green: line of sight", "line: path", "diamond: reference"];
+  return [
+    "dashed ring: target", "small ring: reference", ...(zones.length ? ["dotted line: instrument of a zone"] : []),
+    ...(wheels.length ? ["disk: wheel, its arc the speed", "red: lost", "crossed: excluded"] : []),
+  ];
 }
 
 function onFrame({ samples, ...frame }) {
@@ -137,5 +150,5 @@ setInterval(() => {
   by("phase").textContent = "connection lost";
   by("phase").className = "badge lost";
 }, 500);
-window.view = { state, scene };
+window.view = { state, get scene() { return scene; } };
 listen();
