@@ -7,7 +7,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 from spacecraft_gnc.launcher.deadlines import misses_most
 
@@ -28,6 +28,7 @@ class Report(Protocol):
     latency: float
     missed_deadlines: int
     status_step: int
+    distance: float
     attitude_error: float
     solve_time: float
 
@@ -175,9 +176,9 @@ def describe(report: Report, period: float) -> list[str]:
     """Return the parts of a report as text, the most important first."""
     simulated = max(report.step, 0) * period
     speed = simulated / report.wall_elapsed if report.wall_elapsed > 0.0 else math.nan
-    # Plant and controller report separately: show the time of the error.
+    # Plant and controller report separately: show the time of the distance.
     told = report.status_step * period if report.status_step >= 0 else simulated
-    parts = [_value(math.degrees(report.attitude_error), "deg off", ".4g")]
+    parts = [_off(report)]
     if report.missed_deadlines:
         most = misses_most(report.missed_deadlines, report.step)
         share = f" of {report.step}" if most else ""
@@ -185,6 +186,14 @@ def describe(report: Report, period: float) -> list[str]:
     parts += [f"t = {told:.1f} s", _value(speed, "x real time", ".3g")]
     parts.append(_value(report.solve_time * 1e6, "us/solve", ".0f"))
     return [part for part in parts if part]
+
+
+def _off(report: Report) -> str:
+    """Return how far it is from where it is to go, and from the attitude that it is to have."""
+    place = _value(report.distance, "m", ".4g")
+    turned = _value(math.degrees(report.attitude_error), "deg", ".4g")
+    known = " and ".join(part for part in (place, turned) if part)
+    return f"{known} off" if known else ""
 
 
 def fitting(parts: Sequence[str], room: int) -> str:
@@ -198,5 +207,5 @@ def fitting(parts: Sequence[str], room: int) -> str:
     return text
 
 
-def _value(value: float, unit: str, form: str) -> Any:
+def _value(value: float, unit: str, form: str) -> str:
     return f"{value:{form}} {unit}" if math.isfinite(value) else ""

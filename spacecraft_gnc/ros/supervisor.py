@@ -53,9 +53,11 @@ class Progress:
     """State to torque [s]."""
     missed_deadlines: int = 0
     status_step: int = -1
-    """Control step that attitude error and solve time belong to; -1: none."""
+    """Control step that the next three belong to; -1: none."""
+    distance: float = math.nan
+    """From where it is to go [m]; NaN: it is not a matter of place."""
     attitude_error: float = math.nan
-    """Angle between attitude and reference [rad]."""
+    """Angle from the attitude that it is to have [rad]."""
     solve_time: float = math.nan
     """[s]"""
 
@@ -63,13 +65,15 @@ class Progress:
 class _Status(NamedTuple):
     """What a controller last told."""
 
-    error: float
     step: int
+    distance: float
+    error: float
     solve_time: float
 
 
-def _distance(status: _Status) -> float:
-    return -1.0 if math.isnan(status.error) else status.error
+def _farness(status: _Status) -> tuple[float, ...]:
+    """Return what orders controllers by how far they have to go: by place, then by attitude."""
+    return tuple(-1.0 if math.isnan(far) else far for far in (status.distance, status.error))
 
 
 class Supervisor:
@@ -141,15 +145,14 @@ class Supervisor:
         progress.missed_deadlines = message.missed_deadlines
 
     def _on_status(self, agent: str, message: Any) -> None:
-        """Show the controller that is furthest from its reference."""
+        """Show the controller that is furthest from where it is to go."""
         values = {entry.key: entry.value for entry in message.status[0].values}
-        self._status[agent] = _Status(
-            float(values.get("attitude_error", math.nan)),
-            int(values.get("step", -1)),
-            float(values.get("wall_solve_time", math.nan)),
-        )
-        shown = max(self._status.values(), key=_distance)
-        self.progress.attitude_error, self.progress.status_step, self.progress.solve_time = shown
+        names = ("distance", "attitude_error", "wall_solve_time")
+        told = (float(values.get(name, math.nan)) for name in names)
+        self._status[agent] = _Status(int(values.get("step", -1)), *told)
+        shown, progress = max(self._status.values(), key=_farness), self.progress
+        progress.status_step, progress.solve_time = shown.step, shown.solve_time
+        progress.distance, progress.attitude_error = shown.distance, shown.error
 
 
 class _Managed:

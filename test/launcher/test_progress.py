@@ -29,6 +29,7 @@ class Report:
     latency: float = math.nan
     missed_deadlines: int = 6000
     status_step: int = 5998
+    distance: float = math.nan
     attitude_error: float = math.radians(123.4)
     solve_time: float = 329e-6
 
@@ -89,6 +90,20 @@ def test_a_wide_terminal_has_room_for_all_of_it(
     shown = "\n".join(lines(capsys.readouterr().err))
     assert "plant active, recorder configuring" in shown
     assert "123.4 deg off, 3 deadlines missed, t = 2399.2 s, 20 x real time, 329 us/solve" in shown
+
+
+@pytest.mark.parametrize(
+    ("distance", "angle", "expected"),
+    [
+        (12.345, math.radians(1.5), "12.35 m and 1.5 deg off"),
+        (0.0019999, math.nan, "0.002 m off"),
+        (math.nan, math.radians(1.5), "1.5 deg off"),
+        (math.nan, math.nan, "t = 29990.0 s"),
+    ],
+)
+def test_it_tells_how_far_it_has_to_go(distance: float, angle: float, expected: str) -> None:
+    report = Report(missed_deadlines=0, distance=distance, attitude_error=angle)
+    assert module.describe(report, 5.0)[0] == expected
 
 
 def test_a_log_gets_lines_on_stderr(

@@ -53,9 +53,10 @@ class Outputs:
     def progress(
         self, state: RelativeState, reference: RelativeReference, command: Command
     ) -> dict[str, Any]:
-        """Return what a progress display shows of a step."""
+        """Return what a progress display shows of a step: how far it is from being docked."""
         del reference, command
         return {
+            "distance": float(np.linalg.norm(state.port_offset)),
             "attitude_error": float(np.linalg.norm(lie.log(state.attitude))),
             "wall_solve_time": math.nan,
         }
