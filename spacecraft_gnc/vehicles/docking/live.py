@@ -28,13 +28,13 @@ from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.vehicles.docking.decision import Answer, Phase
 from spacecraft_gnc.vehicles.docking.flown import deputy_center, limit_of, sight
 from spacecraft_gnc.vehicles.docking.scenario import Scenario
-from spacecraft_gnc.vehicles.docking.signals import GOVERNOR_STATUS
+from spacecraft_gnc.vehicles.docking.signals import COMMAND, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.vehicles.docking.state import DIRECTIONS
 from spacecraft_gnc.vehicles.docking.summary import answer_name, phase_name
 
 _SHOWN: Final = (
-    "port_offset", "port_velocity", "angular_velocity", "force", "moment", "line_of_sight_margin",
-    "clearance", "slack", "solve_time", "constraint", "active", "thrusters",
+    "port_offset", "port_velocity", "angular_velocity", "line_of_sight_margin", "clearance",
+    "slack", "solve_time", "constraint", "active", "thrusters",
 )  # fmt: skip
 _LIMITS: Final = ("max_force", "max_moment", "clearance_tolerance")
 _PHASES: Final = dict(zip(map(phase_name, Phase), ("#2fc79b", "#f2b134", "#58aef0"), strict=True))
@@ -55,7 +55,11 @@ class DockingLive:
     """Implements `drawing.live.VehicleLive`."""
 
     fields: Final[Mapping[str, str]] = MappingProxyType(
-        {name: f"{GOVERNOR_STATUS}/{name}" for name in ("constraint", "active")}
+        {
+            **{name: f"{GOVERNOR_STATUS}/{name}" for name in ("constraint", "active")},
+            "wrench": f"{COMMAND}/wrench",
+            "reference_offset": f"{REFERENCE}/port_offset",
+        }
     )
     history: Final = (
         "distance", "angle_deg", "margin_shown", "clearance_shown", "force", "moment", "flown",
@@ -84,7 +88,7 @@ class DockingLive:
         limits = {name: limit_of(scenario, name) for name in _LIMITS}
         charts = [
             Panel(
-                kind="bars", name="force_now", title="Force now", unit="N",
+                kind="bars", name="force", title="Force now", unit="N",
                 series=[Series("force", "xyz")], limit=limits["max_force"],
             ),
             Panel(
@@ -103,11 +107,11 @@ class DockingLive:
                 ],
             ),
             Panel(
-                kind="strip", name="force", title="Force", unit="N",
+                kind="strip", name="forces", title="Force", unit="N",
                 series=[Series("force", "xyz")], limit=limits["max_force"],
             ),
             Panel(
-                kind="strip", name="moment", title="Moment", unit="N m",
+                kind="strip", name="moments", title="Moment", unit="N m",
                 series=[Series("moment", "xyz")], limit=limits["max_moment"],
             ),
             Panel(kind="band", name="phase", title="Phase", series=[Series("flown")],
@@ -122,15 +126,14 @@ class DockingLive:
 
     def values(self, row: Mapping[str, Any], constants: Mapping[str, Any]) -> dict[str, Any]:
         """Return what is shown of a step."""
-        offset, attitude, reference = (
-            row.get(name) for name in ("port_offset", "attitude", "reference")
-        )
+        offset, attitude = (row.get(name) for name in ("port_offset", "attitude"))
         source, phase, status, lost = (
             row.get(name) for name in ("source", "phase", "status", "lost_thruster")
         )
         margin, clearance = (row.get(name) for name in ("line_of_sight_margin", "clearance"))
         return {
             **{name: row.get(name) for name in _SHOWN},
+            **_wrench(row),
             "attitude": attitude,
             "distance": math.nan if offset is None else float(np.linalg.norm(offset)),
             "angle_deg": _angle_deg(attitude),
@@ -141,7 +144,7 @@ class DockingLive:
             "answer": answer_name(-1 if status is None else int(status)),
             "source": source_name(-1 if source is None else int(source), "unknown"),
             "lost_thruster": -1 if lost is None else int(lost),
-            **_placed(offset, attitude, reference, constants.get("bodies", ())),
+            **_placed(offset, attitude, _aim(row), constants.get("bodies", ())),
         }
 
     def readouts(self, values: Mapping[str, Any], governed: bool) -> dict[str, list[Readout]]:
@@ -167,7 +170,21 @@ class DockingLive:
 LIVE: Final = DockingLive()
 
 
-def _placed(offset: Any, attitude: Any, reference: Any, bodies: Any) -> dict[str, Any]:
+def _wrench(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return force and moment, of a flight's columns or of a message."""
+    wrench = row.get("wrench")
+    if wrench is None:
+        return {name: row.get(name) for name in ("force", "moment")}
+    return {"force": wrench[:3], "moment": wrench[3:]}
+
+
+def _aim(row: Mapping[str, Any]) -> Any:
+    """Return the port offset of the reference, likewise."""
+    reference = row.get("reference")
+    return row.get("reference_offset") if reference is None else reference[:3]
+
+
+def _placed(offset: Any, attitude: Any, aim: Any, bodies: Any) -> dict[str, Any]:
     """Return where the deputy, its port and the port's reference are, chief frame [m]."""
     if offset is None or attitude is None or not bodies:
         return {"bodies": {}, "port": offset, "aim": None}
@@ -176,7 +193,7 @@ def _placed(offset: Any, attitude: Any, reference: Any, bodies: Any) -> dict[str
     return {
         "bodies": {"deputy": {"position": center, "attitude": attitude}},
         "port": chief.port + offset,
-        "aim": None if reference is None else chief.port + reference[:3],
+        "aim": None if aim is None else chief.port + aim,
     }
 
 

@@ -16,6 +16,7 @@ from spacecraft_gnc.analysis.live.history import columns
 from spacecraft_gnc.analysis.live.recorded import RecordedFlight
 from spacecraft_gnc.analysis.live.server import PageServer
 from spacecraft_gnc.vehicles.docking.live import LIVE
+from spacecraft_gnc.vehicles.docking.signals import SIGNALS
 
 
 def watched(flown, **changes):
@@ -59,7 +60,7 @@ def test_every_curve_is_in_the_history():
     shown = [row[names.index("clearance_shown")] for row in rows]
     np.testing.assert_allclose(shown, np.minimum(flight().clearance, 0.5), rtol=1e-6)
     bounded = {panel["name"]: panel["limit"] for panel in panels if panel["limit"]}
-    assert bounded == {"force_now": 1.0, "force": 1.0, "moment": 0.05}
+    assert bounded == {"force": 1.0, "forces": 1.0, "moments": 0.05}
 
 
 def test_an_abort_stands_out():
@@ -117,6 +118,19 @@ def test_nothing_is_known_of_an_empty_row_and_no_scenario():
     assert LIVE.panels(None)
     lost = LIVE.values({"thrusters": np.array([1.0, 0, 1, 1, 1, 1])}, constants)  # as messages tell
     assert LIVE.line(lost) == ["lost +y"]
+
+
+def test_a_graph_tells_wrench_and_reference_in_messages():
+    row = {
+        "port_offset": START, "attitude": lie.exp(TURNED), "wrench": np.arange(6.0),
+        "reference_offset": np.array([1.0, 2.0, 3.0]),
+    }  # fmt: skip
+    values = LIVE.values(row, LIVE.constants(scenario()))
+    np.testing.assert_array_equal(values["force"], [0.0, 1.0, 2.0])
+    np.testing.assert_array_equal(values["moment"], [3.0, 4.0, 5.0])
+    np.testing.assert_allclose(values["aim"], [1.52, 2.0, 3.2])
+    known = {f"{signal}/{field}" for signal in SIGNALS for field in signal.fields}
+    assert set(LIVE.fields.values()) <= known
 
 
 def test_the_page_draws_the_ports_where_they_are(browser):
