@@ -21,7 +21,7 @@ from spacecraft_gnc.errors import RecordingError
 _ENCAPSULATION: Final = 4  # bytes before the payload; alignment counts from their end
 _SLACK: Final = 7  # bytes of padding that a middleware may leave at the end
 _LENGTH: Final = "u4"  # of a string or a sequence
-_TEXT: Final = "string"
+_TEXT, _FLOAT = "string", "float64"
 _CODES: Final = {
     "bool": "?",
     "byte": "u1",
@@ -71,8 +71,8 @@ class _Layout:
     def add_message(self, type_name: str, prefix: str) -> None:
         """Append the fields of a type."""
         _, members = self.definitions[type_name]
-        if prefix and {_base(kind) for _, kind in members} == {"float64"}:
-            self._add(prefix[:-1], "float64", (len(members),))  # a vector or a quaternion
+        if prefix and (count := self._floats(type_name)):
+            self._add(prefix[:-1], "float64", (count,))  # a vector, a quaternion, a wrench
             return
         for name, (kind, payload) in members:
             self._add_member(prefix + name, kind, payload)
@@ -91,6 +91,16 @@ class _Layout:
                     f"field {name}: received an array of {element}; required numbers"
                 )
             self._add(name, element, (payload[1] if kind == Nodetype.ARRAY else self._length(),))
+
+    def _floats(self, type_name: str) -> int:
+        """Return how many numbers a type holds that has nothing but numbers; else 0."""
+        counts = [
+            self._floats(payload)
+            if kind == Nodetype.NAME
+            else int(_base((kind, payload)) == _FLOAT)
+            for _, (kind, payload) in self.definitions[type_name][1]
+        ]
+        return sum(counts) if all(counts) else 0
 
     def _length(self) -> int:
         place = self._place(np.dtype(self.order + _LENGTH), ())

@@ -44,8 +44,8 @@ class Columns:
         Header stamps [s].
     fields
         (m, ...) arrays by dotted field name, without the header: numbers; vectors as (m, 3) in
-        order x, y, z; quaternions as (m, 4) in order x, y, z, w; strings as objects; sequences as
-        (m, longest), padded with NaN.
+        order x, y, z; quaternions as (m, 4) in order x, y, z, w; wrenches as (m, 6), force first;
+        strings as objects; sequences as (m, longest), padded with NaN.
     repeats : int
         Messages of a step that had come before.
     conflicts : tuple of int
