@@ -80,7 +80,7 @@ class BodyParameters(PlantHost):
         0.0012,
         "mean motion of the chief on its circular orbit",
         unit="rad/s",
-        above=0.0,
+        minimum=1e-6,
         maximum=0.00125,
     )
     chief_spin_rate: float = parameter(
