@@ -65,12 +65,13 @@ class Weight:
             raise refusal
         try:
             self.root = np.linalg.cholesky(full)
+            self.unscale = solve_triangular(self.root, np.eye(len(full)), lower=True)
         except np.linalg.LinAlgError:
             raise refusal from None
 
     def scaled(self, rows: Array) -> tuple[Array, Array]:
         """Return the rows (r, q) for y, scaled to unit length, and the lengths (r,) they had."""
-        rows = solve_triangular(self.root, rows.T, lower=True).T
+        rows = rows @ self.unscale.T
         lengths = np.linalg.norm(rows, axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.ascontiguousarray(rows / lengths[:, None]), lengths
@@ -99,5 +100,5 @@ def nearest_of_scaled(
     status = _STATUS.get(flag, NOT_SOLVED)
     if status != OPTIMAL:
         return Nearest(np.full(q, np.nan), np.full(r, np.nan), status, int(info["iterations"]))
-    v = wish + solve_triangular(weight.root, y, lower=True, trans=1)
+    v = wish + y @ weight.unscale
     return Nearest(np.asarray(v), np.asarray(info["lam"]) / lengths, status, info["iterations"])
