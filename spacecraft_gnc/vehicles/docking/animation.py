@@ -17,6 +17,7 @@ from spacecraft_gnc.drawing.sphere import View
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.docking import flown as series
 from spacecraft_gnc.vehicles.docking.flown import Flown
+from spacecraft_gnc.vehicles.docking.limits import clearances, margins
 from spacecraft_gnc.vehicles.docking.planes import draw_pair
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 _SIZE: Final = (8.0, 6.4)  # [inch]
 _DPI: Final = 100  # 800 pixels wide
-_SPACES: Final = {"left": 0.01, "right": 0.99, "bottom": 0.42, "top": 0.93, "wspace": 0.02}
+_SPACES: Final = {"left": 0.01, "right": 0.99, "bottom": 0.42, "top": 0.9, "wspace": 0.02}
 _CURVES: Final = {"left": 0.075, "right": 0.965, "bottom": 0.08, "top": 0.29, "wspace": 0.2}
 _TO_COME: Final = 0.22  # opacity of what has not been flown yet
 _WORDS: Final[dict[str, Any]] = {"ha": "center", "va": "center", "fontsize": 10.0}
@@ -153,8 +154,21 @@ def _tell(axes: Axes, run: Flown, row: int) -> None:
     angle = series.angle_deg(run.trajectory)[row]
     text = f"{apart:.3g} m, {angle:.3g}°" if np.isfinite(apart) else "not recorded"
     axes.text(0.5, -0.03, text, transform=axes.transAxes, **_WORDS)
+    axes.text(0.5, -0.10, _news(run, row), transform=axes.transAxes, color=style.LIMIT_COLOR,
+              **_WORDS)  # fmt: skip
+
+
+def _news(run: Flown, row: int) -> str:
+    """Return which constraints are broken, or else what happened last."""
+    tolerance = series.limit_of(run.scenario, "clearance_tolerance")
+    broken = [
+        text
+        for text, margin, least in (
+            ("out of the line of sight", margins(run.trajectory)[row], 0.0),
+            ("beyond the docking face", clearances(run.trajectory)[row], -tolerance),
+        )
+        if margin < least
+    ]
     past = [event for event in series.events(run.trajectory) if event.time <= run.times[row]]
-    if past:
-        color = style.LIMIT_COLOR if past[-1].is_bad else style.INK
-        told = f"{past[-1].time:g} s: {past[-1].text}"
-        axes.text(0.5, -0.10, told, transform=axes.transAxes, color=color, **_WORDS)
+    last = f"{past[-1].time:g} s: {past[-1].text}" if past else ""
+    return ", ".join(broken) or last

@@ -14,7 +14,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.drawing import solids, style
 from spacecraft_gnc.drawing.sphere import View
 from spacecraft_gnc.vehicles.docking import flown as series
-from spacecraft_gnc.vehicles.docking.animation import Scene
+from spacecraft_gnc.vehicles.docking.animation import Scene, _news
 from spacecraft_gnc.vehicles.docking.geometry import Cuboid, clearance, line_of_sight_margin
 from spacecraft_gnc.vehicles.docking.pictures import FIGURES
 
@@ -155,6 +155,17 @@ def test_the_moving_picture_shows_both_bodies_closer_the_closer_they_are():
             for picture in pictures
         ]  # fmt: skip
         assert 0 < areas[0] < areas[1] < areas[2]
+
+
+def test_the_moving_picture_tells_what_is_broken_or_happened_last():
+    margin, clear = flight().line_of_sight_margin.copy(), flight().clearance.copy()
+    margin[10:20], clear[15:20] = -0.1, -0.03
+    shown = run(flown=flight(line_of_sight_margin=margin, clearance=clear))
+    assert [_news(shown, row) for row in (9, 10, 15, 20)] == [
+        "", "out of the line of sight", "out of the line of sight, beyond the docking face", "",
+    ]  # fmt: skip
+    lost = run(flown=aborted())
+    assert [_news(lost, row) for row in (19, 20, 60)] == ["", "100 s: +x lost", "235 s: holding"]
 
 
 def test_a_state_that_was_not_recorded_is_said():
