@@ -101,10 +101,13 @@ def test_snapshots_are_every_150_seconds_and_the_end():
 
 
 def test_the_chief_turns_in_hills_frame():
-    turn = series.chief_attitudes(run(flown=flight()))
-    angle = 300.0 * 2.0 * math.pi / 1000.0
-    np.testing.assert_allclose(turn[0], np.eye(3), atol=1e-15)
-    np.testing.assert_allclose(turn[-1], lie.exp(np.array([0.0, 0.0, angle])), atol=1e-12)
+    axis, start = np.array([0.6, 0.0, 0.8]), np.array([0.3, -0.2, 0.1])
+    tilted = {"chief_spin_axis": axis.tolist(), "chief_initial_rotation_vector": start.tolist()}
+    turn = series.chief_attitudes(run(flown=flight(), known=scenario(plant=tilted)))
+    rate = 2.0 * math.pi / 1000.0
+    for row in (0, 7, 60):
+        expected = lie.exp(axis * rate * 5.0 * row) @ lie.exp(start)
+        np.testing.assert_allclose(turn[row], expected, atol=1e-14)
 
 
 def test_every_figure_is_drawn():
