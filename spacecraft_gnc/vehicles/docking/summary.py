@@ -51,7 +51,7 @@ def metrics(flight: DockingFlight, scenario: Scenario | None = None) -> dict[str
         ``min_slack``; ``impulse`` [N s] of the force commanded, within its limit where the plant
         has one, and ``delta_v`` [m/s]; those of `metrics.Loss`; ``hold_distance`` [m] from the hold
         point at the end (None unless the docking was given up); ``fallback_steps``, ``sources``,
-        ``solve_time_median``, ``_p99``, ``_max`` [s] of the governor (None: no solve).
+        ``solve_time_median``, ``_p99``, ``_max`` [s] of the governor (None: not known).
     """
     times, offset, attitude = states(flight)
     distance = np.linalg.norm(offset, axis=1)
@@ -81,7 +81,7 @@ def metrics(flight: DockingFlight, scenario: Scenario | None = None) -> dict[str
         "hold_distance": _hold_distance(flight, scenario),
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
         "sources": {_source(source): count for source, count in sorted(sources.items())},
-        **_solve_times(flight.solve_time[np.isfinite(flight.residual)]),
+        **_solve_times(flight.solve_time[np.isfinite(flight.solve_time)]),
     }
 
 

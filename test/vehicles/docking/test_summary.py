@@ -98,6 +98,13 @@ def test_steps_without_an_admissible_reference_are_counted():
     }  # fmt: skip
 
 
+def test_decisions_without_a_program_take_time_too():
+    taken, residual = np.full(60, 1e-3), np.full(60, math.nan)
+    taken[40], taken[50] = 0.03, math.nan
+    m = metrics(flight(solve_time=taken, residual=residual), scenario())
+    assert (m["solve_time_median"], m["solve_time_max"]) == (1e-3, 0.03)
+
+
 def test_a_flight_that_never_docks_says_so():
     flown = flight(final_port_offset=np.array([0.5, 0.0, 0.0]))
     assert texts(metrics(flown, scenario()))["docked"] == "NO"
