@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import TYPE_CHECKING, Any, Final
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.audit.limits import as_dicts
 from spacecraft_gnc.loop.protocols import Source
@@ -55,8 +57,7 @@ def metrics(flight: DockingFlight, scenario: Scenario | None = None) -> dict[str
     """
     times, offset, attitude = states(flight)
     distance = np.linalg.norm(offset, axis=1)
-    sources, answers = Counter(flight.source.tolist()), _counted(flight.status, Answer)
-    phases = _counted(flight.phase, Phase)
+    sources, answers = _counted(flight.source, Source), _counted(flight.status, Answer)
     known = np.isfinite(flight.reference).all(axis=1)
     away = np.abs(flight.reference - flight.target).max(axis=1, initial=0.0) > 1e-6
     return {
@@ -71,16 +72,18 @@ def metrics(flight: DockingFlight, scenario: Scenario | None = None) -> dict[str
         **_extremes(flight, scenario),
         "reference_settled_at": settled_at(flight.time, flight.reference, flight.target),
         "governed_share": float(np.mean(away[known])) if known.any() else None,
-        "inadmissible_steps": sum(answers.get(_word(answer), 0) for answer in _WITHOUT),
-        "answers": answers,
-        "phases": phases,
+        "inadmissible_steps": sum(answers[answer] for answer in _WITHOUT),
+        "answers": {answer.name.lower(): count for answer, count in answers.items()},
+        "phases": {
+            phase.name.lower(): count for phase, count in _counted(flight.phase, Phase).items()
+        },
         "phase": phase_name(int(flight.phase[-1])),
         "min_slack": least(flight.slack),
         **_spent(flight, scenario),
         **loss(flight.time, flight.thrusters, flight.lost_thruster)._asdict(),
         "hold_distance": _hold_distance(flight, scenario),
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
-        "sources": {_source(source): count for source, count in sorted(sources.items())},
+        "sources": {source.name: count for source, count in sources.items() if count},
         **_solve_times(flight.solve_time[np.isfinite(flight.solve_time)]),
     }
 
@@ -219,8 +222,9 @@ def beside_limit(m: dict[str, Any], name: str, unit: str) -> str:
 
 
 def counts(numbers: dict[str, int]) -> str:
-    """Return numbers by name in words."""
-    return ", ".join(f"{name} {count}" for name, count in numbers.items())
+    """Return numbers by name in words, without those that are 0."""
+    shown = ((name.lower().replace("_", " "), count) for name, count in numbers.items() if count)
+    return ", ".join(f"{name} {count}" for name, count in shown)
 
 
 def phase_name(phase: int) -> str:
@@ -268,17 +272,14 @@ def _degrees(angle: float | None) -> float | None:
 
 
 _UNKNOWN: Final = "unknown"
+_Named = TypeVar("_Named", bound=IntEnum)
 
 
-def _word(member: Answer | Phase | Source) -> str:
+def _word(member: IntEnum) -> str:
     return member.name.lower().replace("_", " ")
 
 
-def _counted(numbers: Array, kind: type[Answer | Phase]) -> dict[str, int]:
-    """Return the steps by name of an answer or phase, those that occur."""
+def _counted(numbers: NDArray[Any], kind: type[_Named]) -> dict[_Named, int]:
+    """Return the steps of each member of an enumeration."""
     found = Counter(numbers.tolist())
-    return {_word(member): found[member] for member in kind if found[member]}
-
-
-def _source(source: int) -> str:
-    return _word(Source(source)) if 0 <= source < len(Source) else _UNKNOWN
+    return {member: found[member] for member in kind}

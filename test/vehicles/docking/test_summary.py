@@ -12,7 +12,7 @@ from docked import START, TURNED, aborted, flight, scenario
 from spacecraft_gnc.cli.simulate import summary_rows
 from spacecraft_gnc.vehicles.docking.decision import Answer
 from spacecraft_gnc.vehicles.docking.flight import DockingFlight
-from spacecraft_gnc.vehicles.docking.summary import lines, metrics
+from spacecraft_gnc.vehicles.docking.summary import counts, lines, metrics
 
 WIDTH = 80  # columns
 
@@ -39,6 +39,8 @@ def test_the_metrics_are_those_of_the_arrays():
     assert m["reference_settled_at"] == 225.0
     assert m["governed_share"] == pytest.approx(45.0 / 60.0)
     assert m["constraints_kept"] is True
+    assert m["sources"] == {"METHOD": 60}
+    assert counts(m["answers"]) == "optimal 60"
     shape = np.linalg.norm([0.8, 0.2, 0.1])
     size = 5.0 * shape * np.abs(np.cos(np.pi * np.arange(60) / 60.0)).sum()
     assert m["impulse"] == pytest.approx(size)
@@ -94,7 +96,7 @@ def test_steps_without_an_admissible_reference_are_counted():
     m = metrics(flight(status=status), scenario())
     assert m["inadmissible_steps"] == 3
     assert m["answers"] == {
-        "optimal": 57, "infeasible": 1, "not solved": 1, "least violation": 1
+        "optimal": 57, "infeasible": 1, "not_solved": 1, "least_violation": 1, "passed": 0
     }  # fmt: skip
 
 
