@@ -62,7 +62,7 @@ def test_it_is_the_smallest_along_the_continuous_motion(inertia, momentum):
     end = 40.0 * np.linalg.eigvalsh(inertia)[2] / np.ptp(np.linalg.eigvalsh(inertia)).clip(0.05)
     path = solve_ivp(
         lambda _, p: np.cross(p, inverse @ p), (0.0, end), momentum, method="DOP853",
-        rtol=1e-12, atol=1e-12, t_eval=np.linspace(0.0, end, 4000),
+        rtol=1e-12, atol=1e-12, t_eval=np.linspace(0.0, end, 1500),
     ).y.T  # fmt: skip
     along = min(largest_step(inertia, p) for p in path)
     free = largest_free_step(inertia, momentum)

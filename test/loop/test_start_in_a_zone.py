@@ -28,7 +28,7 @@ TURNED_ROUND = {  # the same zone, told as the cone to stay inside
         (OUT_OF_PLANE, {}),
         (IN_THE_PLANE, TURNED_ROUND),
         (IN_THE_PLANE, {"nmpc_controller.method": "neighboring_extremal"}),
-        (OUT_OF_PLANE, {"nmpc_controller.method": "slsqp"}),
+        (OUT_OF_PLANE, {"nmpc_controller.method": "slsqp", "plant.duration": 220.0}),
     ],
     ids=["plane", "axis", "off the plane", "inclusion", "neighboring", "slsqp"],
 )
@@ -40,6 +40,6 @@ def test_it_flies_out(start: list[float], changes: dict[str, Any]) -> None:
     margins = np.degrees(loop.controller.solver.ocp.zones[0].margin(flown.attitude))
     assert margins[0] < 0.0
     left = int(np.flatnonzero(margins < 0.0)[-1]) + 1
-    assert left < 100  # of 750 steps
+    assert left < 100  # of 750 steps, or 550
     assert margins[-1] > 15.0
     assert np.degrees(lie.angle_between(np.eye(3), flown.final_attitude)) < 0.01

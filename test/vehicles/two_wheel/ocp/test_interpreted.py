@@ -13,13 +13,13 @@ from spacecraft_gnc.vehicles.two_wheel.ocp.sqp import SqpSolver
 found = {}
 for model in MODELS:
     for soft in (False, True):
-        plan = SqpSolver(skew(model, 6), restarts=0).solve(near(1, 0.05), REST, soft=soft)
+        plan = SqpSolver(skew(model, 4), restarts=0).solve(near(1, 0.05), REST, soft=soft)
         assert plan.converged
         found[f"{model}_{soft}"] = plan.accelerations
         found[f"{model}_{soft}_numbers"] = [
             plan.cost, plan.min_curvature, *plan.terminal_multipliers,
         ]
-chord = SqpSolver(skew("so3", 6), chord=True).solve(near(1, 0.05), REST)
+chord = SqpSolver(skew("so3", 4), chord=True).solve(near(1, 0.05), REST)
 far = SqpSolver(report(horizon=4), restarts=0, max_iterations=10).solve(near(2, 0.5), REST)
 assert not far.converged
 np.savez(sys.argv[1], **found, chord=chord.accelerations, far=far.terminal_violation)
