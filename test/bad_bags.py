@@ -194,7 +194,7 @@ CASES = {
         lambda folder: record(folder / "bag", []), "0 states and 0 torques", "one whole control",
     ),
     "a bag without topics": BadBag(
-        _closed, "no topic attitude_state", "a flight recorded by"
+        _closed, "attitude_state or wheel_state", "a flight recorded by"
     ),
     "a bag without a whole step": BadBag(_bag(ITEMS[:5]), "states and", "one whole control step"),
     "a bag without torques": BadBag(
@@ -206,7 +206,7 @@ CASES = {
     "a bag whose recorder was killed": BadBag(_killed, "an unfinished bag", "a closed one"),
     "a damaged bag": BadBag(_damaged, "cannot be read as a ROS 2 bag", "intact"),
     "a bag of another package": BadBag(
-        _chatter("/chatter"), "no topic attitude_state", "a flight recorded by spacecraft_gnc"
+        _chatter("/chatter"), "attitude_state or wheel_state", "a flight recorded by spacecraft_gnc"
     ),
     "a topic of another package": BadBag(
         _chatter("/attitude_state"), "has type std_msgs/msg/String", STATE_TYPE

@@ -271,5 +271,5 @@ def test_a_bag_of_a_vehicle_that_is_not_installed(tmp_path):
     fields = {field.name: field for field in topic.fields}
     assert fields["height"].values.tolist() == [0.0, 0.5, 1.0]
     assert fields["height"].text.unit == "m"
-    with pytest.raises(RecordingError, match="no topic attitude_state"):
+    with pytest.raises(RecordingError, match=r"no topic .*attitude_state"):
         read_flight(tmp_path / "bag")
