@@ -24,8 +24,8 @@ from spacecraft_gnc.vehicles.docking.state import DIRECTIONS, RelativeReference,
 
 _NEAR: Final = 0.5  # [m] from the hold point, within which it is held
 _SLOW: Final = 0.01  # [m/s]
-_LOYALTY: Final = 2.0  # by which another plan has to cost less
-_TRIED: Final = 3  # other attitudes tried in a step, one after the other in turn
+_LOYALTY: Final = 0.1  # share of its cost by which another plan has to cost less
+_TRIED: Final = 8  # other attitudes tried in a step, one after the other in turn
 _ANGLES: Final = (0.15, 0.25 * math.pi, 0.5 * math.pi, 3.0)  # [rad]; half a turn has no one axis
 
 
@@ -76,7 +76,7 @@ class Abort:
             if plan is None:
                 continue
             iterations += plan.iterations
-            cost = plan.cost - _LOYALTY * (index == self._chosen)
+            cost = plan.cost - _LOYALTY * abs(plan.cost) * (index == self._chosen)
             if best is None or cost < best[0]:
                 best = cost, index, plan
         if best is None:  # rest and turn on

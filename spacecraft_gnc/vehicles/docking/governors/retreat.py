@@ -7,7 +7,8 @@ toward the chief. Over N steps with forces constant in blocks,
     min sum (s_j - hold)' Q (s_j - hold) + (F_j - F_hold)' R (F_j - F_hold) + misses
     |F_j| <= limit by component, n_j . F_j <= 0, vertices off the docking face, port in sight,
 
-where the last two may be missed, at a price: of the face a high one, of the sight a lower one.
+where the last two may be missed, at a price: of the face a high one, of the sight a lower one. An
+attitude in which the force that holds the hold point is not to be had costs more as well.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ _R: Final = 0.3 * np.eye(3)
 _DEPTH_PRICE: Final = 1e4
 _SIGHT_PRICE: Final = 300.0
 _DEPTH_MARGIN: Final = 0.05  # [m]
+_HOLD_PRICE: Final = 100.0  # [1/N] of an attitude in which the hold point cannot be held
+_HOLD_MARGIN: Final = 0.01  # [N] by which the force that holds it is off the lost direction
 _MOST_ITERATIONS: Final = 2000
 _FREE: Final = 1e30  # no bound, for the solver
 _TURNING: Final = 1e-3  # of a direction in a step, from which on both its ends count
@@ -108,7 +111,9 @@ class Plans:
         port = self._of.deputy.port
         swung = attitudes @ port - port  # of the port from the center of mass
         goal = np.concatenate([hold - swung[-1], np.zeros(3)])
-        slope, constant = self._slope(goal)
+        held = self._holding(goal)
+        slope, constant = self._slope(goal, held)
+        constant += _HOLD_PRICE * max(0.0, float(attitudes[-1] @ lost @ held) + _HOLD_MARGIN)
         rows, upper = zip(
             self._lost_rows(attitudes @ lost),
             self._depth_rows(attitudes[1:]),
@@ -128,13 +133,17 @@ class Plans:
             return None
         return Plan(z[:3], float(value) + constant, float(z[-2]), float(z[-1]), info["iterations"])
 
-    def _slope(self, goal: Array) -> tuple[Array, float]:
-        """Return linear and constant part of the cost."""
+    def _holding(self, goal: Array) -> Vector3:
+        """Return the force (3,) that holds the center of mass at a goal."""
         model, k = self._of.model, self._phase
+        added = model.reference_feedforward[k, :3, :3] @ goal[:3]
+        return np.asarray(model.feedforward[k, :3] + added)
+
+    def _slope(self, goal: Array, held: Vector3) -> tuple[Array, float]:
+        """Return linear and constant part of the cost."""
         short = self._free - goal
         slope = np.einsum("jam,ja->m", self._weighted, short)
-        held = model.feedforward[k] + model.reference_feedforward[k, :, :3] @ goal[:3]
-        slope[:_FORCES] -= np.repeat(_BLOCKS, 3) * np.tile(_R @ held[:3], len(_BLOCKS))
+        slope[:_FORCES] -= np.repeat(_BLOCKS, 3) * np.tile(_R @ held, len(_BLOCKS))
         slope[-2:] += _DEPTH_PRICE, _SIGHT_PRICE
         return slope, 0.5 * float(np.einsum("ja,jab,jb->", short, self._weights, short))
 
