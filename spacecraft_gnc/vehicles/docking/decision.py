@@ -56,8 +56,8 @@ class DockingDecision(NamedTuple):
     wish: Array
     """(6,) that the reference is to come near."""
     slack: float = math.inf
-    """Smallest slack of a row of the admissible set, as a share of the row's room; negative:
-    outside; infinite: there is no set."""
+    """Smallest slack of a row of the admissible set, as a share of the row's room where the port is
+    docked; negative: outside; infinite: there is no set."""
     constraint: str = ""
     constraint_ahead: int = -1
     active: tuple[Active, ...] = ()

@@ -40,7 +40,7 @@ class DockingFlight(Flight):
     solve_time : (n,) array
         Wall time of the governor's decision [s].
     slack : (n,) array
-        Smallest slack of a row of the admissible set, as a share of the row's room.
+        Smallest slack of a row of the admissible set, as a share of the row's room when docked.
     phase, lost_thruster : (n,) arrays of int
         `decision.Phase`; index of the direction concluded lost, -1: none.
     response_error : (n,) array

@@ -117,18 +117,20 @@ class DockingGovernor:
         x, wish = coordinates(*state.measured), self._target.vector
         found = self._governor.decide(state.step, x, wish)
         answer = answer_of(found)
-        residual = float("nan")
+        rows, residual = self.sets.at(state.step), float("nan")
         if answer == Answer.OPTIMAL:
-            residual = kkt_residual(self.sets.at(state.step), self.weight, x, wish, found)
+            residual = kkt_residual(rows, self.weight, x, wish, found)
+        shares = rows.slacks(x, found.reference) / rows.bounds  # the room of a row when docked
+        least = int(shares.argmin())
         return DockingDecision(
             RelativeReference.of(found.reference),
             self.name,
             answer,
             Phase.DOCKING,
             wish,
-            slack=found.slack,
-            constraint=found.constraint,
-            constraint_ahead=found.constraint_ahead,
+            slack=float(shares[least]),
+            constraint=self.sets.names[rows.constraint[least]],
+            constraint_ahead=int(rows.ahead[least]),
             active=active_of(found),
             iterations=found.iterations,
             residual=residual,
