@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from spacecraft_gnc import lie
@@ -68,16 +69,17 @@ def snapshots_figure(case: Case) -> Figure:
         if k < len(times):
             pictured.append(k)
     with style.applied():
-        figure = Figure((10.4, 7.2), layout="constrained")
+        engine = ConstrainedLayoutEngine(wspace=0.12, hspace=0.08)
+        figure = Figure((10.8, 8.0), layout=engine)
         for i, k in enumerate(pictured):
             axes: Any = figure.add_subplot(2, 3, i + 1, projection="3d")
             _snapshot(axes, case, k, float(times[k]))
-        _title(figure, "both bodies in Hill's frame; crosses: ports, line: the way of the port")
+        _title(figure, "both bodies in Hill's frame; crosses: ports; line: track of the deputy's")
         return figure
 
 
 def _snapshot(axes: Any, case: Case, k: int, time: float) -> None:
-    """Draw the bodies at step k, with the way of the deputy's port up to there."""
+    """Draw the bodies at step k, with the track of the deputy's port up to there."""
     p, flight = case.flown.scenario.plant, case.flight
     offset, attitude = states(flight, "port_offset"), states(flight, "attitude")
     chief = chief_attitudes(p, state_times(flight)[: k + 1])
@@ -95,13 +97,15 @@ def _snapshot(axes: Any, case: Case, k: int, time: float) -> None:
                 alpha=0.45, linewidth=0.6,
             )
         )  # fmt: skip
-    axes.plot(*way.T, color=style.MUTED, linewidth=0.9)
+    half = max(1.15 * float(np.abs(way[-1]).max()), 1.3)
+    seen = np.where((np.abs(way) <= half).all(axis=1)[:, None], way, np.nan)
+    axes.plot(*seen.T, color=style.MUTED, linewidth=0.9)
     for port in (chief[k] @ p.chief_port, way[-1]):
         axes.plot(*port[:, None], "x", color=style.INK, markersize=5.0, zorder=5)
-    half = max(1.2 * float(np.abs(way).max()), 1.6)
     axes.set(xlim=(-half, half), ylim=(-half, half), zlim=(-half, half))
     axes.set_box_aspect((1.0, 1.0, 1.0))
-    axes.set(xlabel="radial [m]", ylabel="along track [m]", zlabel="normal [m]")
+    axes.set(xlabel="radial [m]", ylabel="along track [m]")
+    axes.set_zlabel("normal [m]", labelpad=-1.0)
     axes.set_title(f"after {time:.0f} s")
 
 
@@ -249,7 +253,7 @@ def failed_figure(case: Case) -> Figure:
         for axes in panels[:-1]:
             axes.set_xlabel("")
         legend(panels[0], 3)
-        _title(figure, f"{p.thruster_lost} lost (red), noticed (dotted), abort to the hold point")
+        _title(figure, f"{p.thruster_lost} lost (red), noticed (dotted)")
         return figure
 
 
@@ -259,7 +263,8 @@ def campaign_figure(found: Docked) -> Figure:
         figure = Figure((9.6, 4.0), layout="constrained")
         left, right = figure.subplots(1, 2)
         known = found.docked_at[np.isfinite(found.docked_at)]
-        left.hist(known, bins=40, color=style.PASSED_COLOR)
+        times, counts = np.unique(known, return_counts=True)
+        left.bar(times, counts, width=0.8 * found.period, color=style.PASSED_COLOR)
         left.set(title="Time to dock", xlabel="docked for good from [s]", ylabel="starts")
         away = np.linalg.norm(found.port_offset, axis=1)
         right.plot(away, found.docked_at, ".", markersize=3.5, color=style.PASSED_COLOR)

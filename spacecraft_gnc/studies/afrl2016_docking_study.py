@@ -106,12 +106,15 @@ class Docked:
         Whether every constraint was kept, and it docked.
     status : list of str
         Of each row.
+    period : float
+        Control period, of which times are multiples [s].
     """
 
     port_offset: Array
     docked_at: Array
     passed: NDArray[np.bool_]
     status: list[str]
+    period: float
 
     def values(self) -> dict[str, Any]:
         """Return the numbers, ready for JSON."""
@@ -184,7 +187,7 @@ def _campaign(folder: Path | None, runs: int | None, progress: Progress) -> Dock
     status = found.table(["status"])["status"].to_pylist()
     passed = np.array([each == "passed" for each in status])
     start = column(found, "plant.initial_port_offset")
-    return Docked(start, column(found, "docked_at"), passed, status)
+    return Docked(start, column(found, "docked_at"), passed, status, load(SCENARIO).period)
 
 
 def _over(value: float, limit: float) -> float:
