@@ -73,7 +73,7 @@ def _other_checks(study: Study) -> Iterator[Check]:
     """Check the tilted spin axis and the abort."""
     yield from _kept("tilted, periodic", study.tilted["periodic"])
     worse = _is_worse(study.tilted["time-invariant"], study.tilted["periodic"])
-    yield Check("tilted: the time-invariant laws do worse", 1, int(worse), 0)
+    yield Check("tilted: time-invariant laws do worse", 1, int(worse), 0)
     failed = study.failed
     behind = failed.broken["clearance"]
     yield Check("thruster lost: behind the docking face by", 0.0, behind, _ROUNDING, "m")

@@ -26,6 +26,10 @@ FAILED: Final = "afrl_docking_thruster_failed"
 FIGURE_DURATION: Final = 750.0  # of the report's Figs. 6 to 8 [s]
 
 
+TILTED_DURATION: Final = 1400.0
+"""Long enough to see what goes on with each rotation of 500 s [s]."""
+
+
 class Start(NamedTuple):
     """Where the deputy begins, at rest in the chief frame."""
 
@@ -149,7 +153,7 @@ class Study:
 
 def study_all(options: Options) -> Study:
     """Fly everything, and count."""
-    progress = options.progress
+    progress, longer = options.progress, (f"plant.duration={TILTED_DURATION}",)
     shown = _case(SCENARIO, (f"plant.duration={FIGURE_DURATION}",), progress)
     begun = perf_counter()
     load(SCENARIO).build()
@@ -159,8 +163,8 @@ def study_all(options: Options) -> Study:
         {start: _case(UNGOVERNED, _from(start), progress) for start in STARTS},
         shown,
         {
-            "periodic": _case(TILTED, (), progress),
-            "time-invariant": _case(TILTED, TIME_INVARIANT, progress),
+            "periodic": _case(TILTED, longer, progress),
+            "time-invariant": _case(TILTED, (*longer, *TIME_INVARIANT), progress),
         },
         _case(FAILED, (), progress),
         build_time,
