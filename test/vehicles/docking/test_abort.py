@@ -145,6 +145,20 @@ def test_after_a_loss_the_deputy_retreats_without_collision(loop, lost, at):
     assert np.linalg.norm(flight.final_port_velocity) < 0.01
 
 
+def test_the_reference_is_for_the_law_of_the_controller_whatever_the_governor():
+    mixed = quick(nmpc_controller__method="periodic_lqr", plant__thruster_lost="-y")
+    plant, controller = mixed.build_plant(), mixed.build_controller()
+    governor = mixed.build_governor()
+    for _ in range(40):
+        decision = governor.decide(plant.state)
+        command = controller.command(plant.state, decision.reference)
+        if decision.phase != Phase.DOCKING:
+            assert np.abs(command.control).max() <= 1.0 + 1e-9  # by the plan's limits
+            assert np.abs(command.control[3:]).max() <= 0.05 + 1e-9
+        plant.step(command.control)
+    assert decision.phase == Phase.HOLDING
+
+
 def test_a_loss_that_is_never_missed_changes_nothing(loop):
     plain = fly(loop, plant__duration=300.0)
     lost = fly(

@@ -87,7 +87,7 @@ def _governor(name: str, scenario: Scenario, law: FeedbackLaw) -> DockingGoverno
         _target(scenario),
         coordinates(*initial_motion(scenario)),
         _monitor(scenario, motion),
-        _abort(scenario, law, motion) if g.aborts else None,
+        _abort(scenario, motion) if g.aborts else None,
     )
 
 
@@ -100,8 +100,10 @@ def _monitor(scenario: Scenario, model: LinearMotion) -> ThrusterMonitor:
     return ThrusterMonitor(model, p.deputy_port, limit, scenario.period, known)
 
 
-def _abort(scenario: Scenario, law: FeedbackLaw, model: LinearMotion) -> Abort:
+def _abort(scenario: Scenario, model: LinearMotion) -> Abort:
     p, motion = scenario.plant, believed_motion(scenario)
+    mean = scenario.controller.method == "time_invariant_lqr"
+    law = mean_law(scenario) if mean else periodic_law(scenario)  # of the controller
     retreat = Retreat(model, motion.deputy, tightened_bounds(scenario))
     turn = Turn(motion.inertia, motion.deputy.port, p.max_moment, scenario.period, STEPS)
     return Abort(law, retreat, turn, scenario.governor.hold_port_offset)
