@@ -18,17 +18,19 @@ from spacecraft_gnc.vehicles.docking.signals import SIGNALS
 SECTIONS = {
     "plant": {
         "vehicle": "docking",
-        "duration": 60.0,
-        "chief_spin_rate": 2.0 * math.pi / 100.0,
+        "duration": 50.0,
+        "time_step": 0.125,
+        "chief_spin_rate": 2.0 * math.pi / 20.0,
+        "chief_spin_axis": [0.1, 0.0, 1.0],
         "initial_port_offset": [2.0, 0.4, -0.3],
         "initial_rotation_vector": [0.1, -0.1, 0.05],
-        "max_force": 3.0,
-        "max_moment": 0.5,
+        "max_force": 90.0,
+        "max_moment": 2.0,
         "pose_every": 0,
     },
     "reference_governor": {"distance_margin": 0.002, "hold_port_offset": [3.0, 0.0, 0.0]},
 }
-"""Twelve steps beside a chief that rotates in twenty: its admissible sets take a second."""
+"""Ten steps beside a chief that rotates in four: its admissible sets take a second."""
 RECORDED = [signal for signal in (*SIGNALS, WALL_TIMING) if signal.type in CODEC.texts]
 
 

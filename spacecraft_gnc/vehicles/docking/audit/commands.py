@@ -12,7 +12,7 @@ from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.docking.audit.law import Model, linear_states, loop_of
+from spacecraft_gnc.vehicles.docking.audit.law import Model, linear_states, loop_of, model_error
 from spacecraft_gnc.vehicles.docking.audit.motion import recorded_rows
 from spacecraft_gnc.vehicles.docking.signals import APPLIED, COMMAND, REFERENCE, STATE
 
@@ -35,11 +35,12 @@ def audit_law(evidence: Evidence, ledger: Ledger, model: Model) -> None:
     v = np.hstack(list(parts))
     made = loop.wrenches(steps, x, v)
     k = steps % loop.period
+    share = _ROUNDING + model_error(scenario)
     size = np.abs(loop.U0[k]) + np.einsum("nij,nj->ni", np.abs(loop.K[k]), np.abs(x))
     size += np.einsum("nij,nj->ni", np.abs(loop.through[k]), np.abs(v))
     where, told = f"{COMMAND}.wrench", evidence.rows(COMMAND, "wrench", steps)
     for name, half, unit in (("force", slice(3), "N"), ("moment", slice(3, None), "N m")):
-        limit = _ROUNDING * (1.0 + size[:, half])
+        limit = share * (1.0 + size[:, half])
         ledger.bound(f"{_LAW}: {name}", steps, where, (told - made)[:, half], limit, unit)
     where = f"{COMMAND}.source"
     source = np.full(len(steps), float(Source.METHOD))

@@ -13,7 +13,7 @@ from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.docking.audit.equations import ATTITUDE, OFFSET, RATE, VELOCITY, cross
-from spacecraft_gnc.vehicles.docking.audit.law import Model
+from spacecraft_gnc.vehicles.docking.audit.law import Model, model_error
 from spacecraft_gnc.vehicles.docking.audit.motion import recorded_rows
 from spacecraft_gnc.vehicles.docking.scenario import Scenario
 from spacecraft_gnc.vehicles.docking.signals import GOVERNOR_STATUS, STATE
@@ -44,7 +44,9 @@ def audit_diagnosis(evidence: Evidence, ledger: Ledger, model: Model) -> None:
     where, told = f"{GOVERNOR_STATUS}.response_error", _told(evidence, "response_error", steps)
     unknown = np.isnan(told) == ~follows
     ledger.require(_ERROR, "known where two states follow", steps, where, unknown)
-    limit = _ROUNDING * (1.0 + np.linalg.norm(y[:, OFFSET], axis=1))
+    limit = (_ROUNDING + model_error(evidence.scenario)) * (
+        1.0 + np.linalg.norm(y[:, OFFSET], axis=1)
+    )
     ledger.bound(_ERROR, steps[follows], where, (told - errors)[follows], limit[follows], "m/s")
     where, told = f"{GOVERNOR_STATUS}.lost_thruster", _told(evidence, "lost_thruster", steps)
     made = watch.conclusions(miss, y, applied)

@@ -203,4 +203,4 @@ def _lost(y: Array, acted: Array, answer: NDArray[np.bool_]) -> Array:
 def _bend(equations: Equations, y: Array, acted: Array, h: float) -> Array:
     """Return what a method of fourth order may miss [m/s] where a lost component changes sign."""
     rate = np.linalg.norm(y[:, RATE], axis=1)
-    return np.asarray(h**2 * np.linalg.norm(acted[:, :3], axis=1) * rate / equations.mass)
+    return np.asarray(0.05 * h**2 * np.linalg.norm(acted[:, :3], axis=1) * rate / equations.mass)
