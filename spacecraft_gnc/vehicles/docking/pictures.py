@@ -166,20 +166,20 @@ def _lines(
     marks: Sequence[Mark] = (),
     **line: Any,
 ) -> None:
-    """Draw (n, 3) values over time, and their limit on both sides where it is near."""
+    """Draw (n, 3) values over time, and their limit: as lines where it is near, in words always."""
     for i, name in enumerate("xyz"):
         axes.plot(times, values[:, i], label=name, **component(i), **line)
     _bounds(axes, values, bound)
     draw_marks(axes, marks)
     legend(axes, 3)
-    frame(axes, times, title, f"[{unit}]")
+    said = f"{title}, limit {bound:g} {unit}" if bound else title
+    frame(axes, times, said, f"[{unit}]")
 
 
 def _bounds(axes: Axes, values: Array, bound: float) -> None:
-    """Draw a limit on each side where values come near it."""
-    known = values[np.isfinite(values)]
-    for side in (1.0, -1.0) if bound else ():
-        if (side * known).max(initial=0.0) > 0.5 * bound:
+    """Draw a limit on both sides where values come near it on one."""
+    if bound and np.abs(values[np.isfinite(values)]).max(initial=0.0) > 0.5 * bound:
+        for side in (1.0, -1.0):
             limit(axes, side * bound)
 
 
