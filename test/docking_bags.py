@@ -19,7 +19,6 @@ SECTIONS = {
     "plant": {
         "vehicle": "docking",
         "duration": 50.0,
-        "time_step": 0.125,
         "chief_spin_rate": 2.0 * math.pi / 20.0,
         "chief_spin_axis": [0.1, 0.0, 1.0],
         "initial_port_offset": [2.0, 0.4, -0.3],
@@ -38,6 +37,11 @@ def sections(**changes):
     """Return these sections with some values changed, by section name."""
     names = {**SECTIONS, **changes}
     return {name: {**SECTIONS.get(name, {}), **changes.get(name, {})} for name in names}
+
+
+def ungoverned(**plant):
+    """Return the same without a governor, and with some values of the plant changed."""
+    return {**sections(plant=plant), "reference_governor": {"governor": "none"}}
 
 
 def announce(writer):

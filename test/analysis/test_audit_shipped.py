@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import docking_bags
 import flown_bags
 import pytest
 import wheel_bags
@@ -13,6 +14,7 @@ from spacecraft_gnc.scenario import load_fleet
 from spacecraft_gnc.scenario.fingerprint import differences
 
 FLY = {
+    "docking": docking_bags.fly,
     "rigid_body": flown_bags.fly,
     "two_wheel": lambda folder, flown: wheel_bags.fly(folder, flown)[0],
 }
