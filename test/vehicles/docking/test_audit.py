@@ -159,6 +159,14 @@ def test_noise_of_another_seed_is_named(tmp_path):
     assert "measured = truth and noise of the seed, attitude" in failed
 
 
+def test_held_references_are_proven_inadmissible(tmp_path):
+    audit = audit_bag(fly(tmp_path, sections(plant={"position_noise": 0.1, "seed": 3})))
+    assert audit.passed, audit.first
+    steps = {check.name: check.steps for check in audit.checks}
+    assert steps["reference held: no admissible one (LP)"] == 3
+    assert steps["reference held = the last one"] == 3
+
+
 def test_a_lost_thruster_and_a_new_target_are_followed(tmp_path):
     """The governor notices at once: the chief's rotation takes force in every direction."""
     flown = sections(plant={"thruster_lost": "-x", "thruster_lost_at": 20.0})
