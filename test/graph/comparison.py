@@ -28,7 +28,7 @@ def assert_equals_simulation(bag: Path, *overrides: str, scenario: Path = CASE1)
         assert not flown.info.missing
         assert not flown.info.overridden
         for name in compared(simulated):
-            ours, theirs = getattr(flown.trajectory, name), getattr(simulated, name)
+            ours, theirs = (np.asarray(getattr(f, name)) for f in (flown.trajectory, simulated))
             # a step without a solve has no residual: NaN on both sides
             assert ours.dtype == theirs.dtype, (agent, name)
             assert np.array_equal(ours, theirs, equal_nan=True), (agent, name)
