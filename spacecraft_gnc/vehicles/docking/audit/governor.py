@@ -95,9 +95,11 @@ def _audit_abort(told: Told, ledger: Ledger) -> None:
     ledger.require(_PHASE, "as defined", steps[at], where, holds == ((far < _NEAR) & slow))
     axes = np.vstack([np.eye(3), -np.eye(3)])[lost[at]]
     asked = np.einsum("nij,nj->ni", y[:, ATTITUDE].reshape(-1, 3, 3), axes)
-    force = told.evidence.rows(COMMAND, "wrench", steps[at])[:, :3]
-    along = np.maximum(0.0, np.sum(asked * force, axis=1))
-    ledger.bound(_ABORT, steps[at], f"{COMMAND}.wrench", along, _FORCE, "N")
+    commanded = np.isin(steps[at], told.evidence.common(COMMAND))  # none at the end of a flight
+    answered = steps[at][commanded]
+    force = told.evidence.rows(COMMAND, "wrench", answered)[:, :3]
+    along = np.maximum(0.0, np.sum(asked[commanded] * force, axis=1))
+    ledger.bound(_ABORT, answered, f"{COMMAND}.wrench", along, _FORCE, "N")
     named = np.array([f"no force {DIRECTIONS[i]}" for i in lost[at]], dtype=object)
     same = np.array([told.text("constraint")[i] for i in at], dtype=object) == named
     ledger.require(f"{_ABORT}: constraint", "the lost direction", steps[at],
