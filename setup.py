@@ -102,6 +102,7 @@ setup(
         "rich>=13",
         "rosbags>=0.10",
         "scipy>=1.11",
+        "threadpoolctl>=3.1",
         "typer>=0.12",
         "zstandard>=0.22",
     ],

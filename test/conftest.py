@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import pytest
 from browser import browser, module_browser  # noqa: F401 - fixtures
 from hypothesis import settings
@@ -11,6 +14,11 @@ from hypothesis import settings
 settings.register_profile("fixed", deadline=None, derandomize=True)
 settings.register_profile("explore", deadline=None, max_examples=500)
 settings.load_profile("fixed")
+
+# Admissible sets take half a minute each: all processes of all tests share them, and none of them
+# writes to the user's own cache.
+_CACHE = Path(__file__).parent.parent / ".pytest_cache" / "periodic_sets"
+os.environ.setdefault("SPACECRAFT_GNC_CACHE", str(_CACHE))
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects by the marker added here
