@@ -136,7 +136,7 @@ def _report(
     )
     rows: list[tuple[str, str]] = []
     if plan.scenario.plant.mode == "free_run":
-        rows += [("state to torque", _latency(metrics))] if outcome.bags else []
+        rows += [("state to command", _latency(metrics))] if outcome.bags else []
         rows.append(("deadlines missed", _missed(outcome)))
     rows += [("restarted", name) for name in outcome.restarts]
     rows += [("recorded in", bag) for bag in outcome.bags]

@@ -199,10 +199,7 @@ class PeriodicGovernor:
         )
         pressing = np.flatnonzero(least.ineqlin.marginals < -1e-9)
         told = sorted({(int(p.rows.ahead[i]), int(p.rows.constraint[i])) for i in pressing})
-        listed = ", ".join(
-            f"{self.sets.names[i]!r} {'in steady state' if j == STEADY else f'in {j} steps'}"
-            for j, i in told[:3]
-        )
+        listed = ", ".join(f"{self.sets.names[i]!r} {_when(j)}" for j, i in told[:3])
         return ParameterError(
             f"state: received one of step {k} from which no reference keeps every constraint; "
             f"missed at the best by {100.0 * least.fun:.3g} % of the room: {listed}; required a "
@@ -222,3 +219,8 @@ class PeriodicGovernor:
         references = np.ascontiguousarray(rows.reference_rows[free])
         scaled = np.ascontiguousarray(scaled[free])
         return _Prepared(rows, rooms, free, references, scaled, lengths[free])
+
+
+def _when(ahead: int) -> str:
+    """Return in words in how many steps a row is met."""
+    return {STEADY: "in steady state", 0: "at once", 1: "in 1 step"}.get(ahead, f"in {ahead} steps")

@@ -49,8 +49,8 @@ def check(checked: Checked) -> None:
     limits = Limits(share * (plant.max_force - force), share * (plant.max_moment - moment))
     start = Pose(plant.initial_port_offset, plant.initial_rotation_vector)
     poses = list(_poses(governor))
-    first = Held("initial_port_offset", "the start", start)
-    if not _check_rate(checked, plant, limits, [*poses, *([first] if governed else [])]):
+    of = "steady_share of each limit less its margin" if governed else "the limits"
+    if not _check_rate(checked, plant, limits, poses, of):
         return
     _check_period(checked, plant)
     for held in poses:
@@ -118,8 +118,11 @@ def _check_margins(checked: Checked, plant: Any, governor: Any) -> bool:
     return fits
 
 
-def _check_rate(checked: Checked, plant: Any, limits: Limits, poses: list[Held]) -> bool:
-    """Refuse a chief at which the docked port cannot be held, with the largest rate that works."""
+def _check_rate(checked: Checked, plant: Any, limits: Limits, poses: list[Held], of: str) -> bool:
+    """Refuse a chief at which the docked port cannot be held, with the largest rate that works.
+
+    ``of``: what the limits are, in words.
+    """
     force, moment = _use(plant, DOCKED, limits)
     if max(force, moment) <= 1.0:
         return True
@@ -135,7 +138,7 @@ def _check_rate(checked: Checked, plant: Any, limits: Limits, poses: list[Held])
         if (rate := largest_spin_rate(plant, held.pose, limits)) is not None
     ]
     most, words = min(works)
-    need = f"at most {most:.6g} rad/s, for {words} to be held within these"
+    need = f"at most {most:.6g} rad/s, for {words} to be held within {of}"
     remedy = f"lower it to {_whole_below(most, _period(checked))} or less, or raise {name}"
     checked.complain(_PLANT, "chief_spin_rate", value, need, remedy)
     return False

@@ -73,7 +73,7 @@ def sets_of(scenario: Scenario, law: FeedbackLaw, loop: PeriodicLoop) -> Admissi
     """
     options = SetOptions(steady_share=scenario.governor.steady_share)
     rows = constraints(law, tightened_bounds(scenario))
-    return cached_sets(loop, rows, options, _Told(), notice=_LOG.warning)
+    return cached_sets(loop, rows, options, _Told(loop.period), notice=_LOG.warning)
 
 
 def _governor(name: str, scenario: Scenario, law: FeedbackLaw) -> DockingGovernor:
@@ -115,20 +115,19 @@ def _target(scenario: Scenario) -> Array:
 
 
 class _Told:
-    """Progress of the sets, told as it lasts."""
+    """Progress of the sets, told as it lasts; they repeat after one or two periods."""
 
-    def __init__(self) -> None:
+    def __init__(self, period: int) -> None:
+        self._period = period
         self._due = time.perf_counter() + _PATIENCE
 
     def __call__(self, done: int, most: int, rows: int) -> None:
         """Tell of a backward step."""
+        del most
         now = time.perf_counter()
         if now >= self._due:
             self._due = now + _TOLD_EVERY
             _LOG.warning(
-                "admissible sets: %d backward steps done, at most %d; %d rows; kept for the next "
-                "time",
-                done,
-                most,
-                rows,
-            )
+                "admissible sets, once: step %d of %d to %d, %d rows",
+                done, self._period + 1, 2 * self._period, rows,
+            )  # fmt: skip

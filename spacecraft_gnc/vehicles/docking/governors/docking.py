@@ -68,7 +68,7 @@ class DockingGovernor:
         self._first_target = self._admissible(RelativeReference.of(target))
         self._target = self._first_target
         self._governor = PeriodicGovernor(sets, weight)
-        self._first = self._governor.decide(0, start, self._target.vector).reference
+        self._first = self._reference_at(start)
         self._monitor, self._abort = monitor, abort
         self.reset()
 
@@ -112,6 +112,17 @@ class DockingGovernor:
         return decision._replace(
             lost_thruster=lost, response_error=error, decision_time=time.perf_counter() - begun
         )
+
+    def _reference_at(self, start: Array) -> Array:
+        """Return the reference of the start; refuse one that has none."""
+        try:
+            return self._governor.decide(0, start, self._target.vector).reference
+        except ParameterError as error:
+            _, _, why = str(error).partition(" from which ")
+            raise ParameterError(
+                f"plant.initial_*: received a start from which {why} (port offset, velocity, "
+                "rotation and rate together)"
+            ) from error
 
     def _dock(self, state: RelativeState) -> DockingDecision:
         x, wish = coordinates(*state.measured), self._target.vector
