@@ -107,7 +107,10 @@ def test_all_papers_are_run_printed_written_and_drawn(everything):
     assert flights["I, backward sweep"]["times"]["total"] > 0.0
     pictures = sorted(folder.iterdir())
     assert [path.stem for path in pictures] == [
-        "afrl2016_circle", "afrl2016_euler_angles", "afrl2016_plane", "afrl2016_wheels",
+        "afrl2016_circle", "afrl2016_docking_constraints", "afrl2016_docking_controls",
+        "afrl2016_docking_references", "afrl2016_docking_snapshots",
+        "afrl2016_docking_thruster_failed", "afrl2016_docking_tilted", "afrl2016_euler_angles",
+        "afrl2016_plane", "afrl2016_wheels",
         "bagherzadeh2023_extremals", "bagherzadeh2023_variants", "governed_nmpc",
         "gupta2015_case1", "gupta2015_case2", "kalabic2014_flip", "kalabic2014_governor",
         "kalabic2014_nmpc", "phogat_figure4", "phogat_range",

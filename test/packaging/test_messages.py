@@ -13,7 +13,7 @@ from spacecraft_gnc.ocp import Status
 
 DEFINITIONS = Path(__file__).parents[2] / "msg_defs"
 INTERFACES = sorted(p.relative_to(DEFINITIONS) for p in DEFINITIONS.glob("*/*.*"))
-NO_UNIT = {"bool", "bool[]", "string", "std_msgs/Header"}
+NO_UNIT = {"bool", "bool[]", "bool[6]", "string", "std_msgs/Header"}
 
 
 def declarations(path: Path) -> list[str]:
