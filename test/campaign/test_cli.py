@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -63,6 +64,15 @@ def test_a_campaign_is_flown_and_the_same_command_again_finds_it_complete(
     assert {name: summary[name] for name in stored} == stored
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Heed SIGINT, which a shell ignores on behalf of what it starts in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_ends_with_what_is_done_and_says_how_to_go_on(
     command, tmp_path, capsys, monkeypatch
 ) -> None:
@@ -173,16 +183,15 @@ def test_what_needs_an_extra_says_so(command, capsys, monkeypatch) -> None:
     assert "pip install 'spacecraft_gnc[campaign]'" in refused(capsys, *command)
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_of_a_terminal_ends_every_process_in_order(variations, tmp_path) -> None:
     """A terminal sends the signal to the workers as well."""
     words = ["campaign", "gupta2015_case1", str(variations), "--runs", "100000", "--workers", "2"]
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # it may be ignored here
     command = subprocess.Popen(
         [sys.executable, "-m", "spacecraft_gnc", *words, "--out", str(tmp_path / "out"), *SET],
         stderr=subprocess.PIPE, text=True, start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
     )  # fmt: skip
-    signal.signal(signal.SIGINT, before)
     assert command.stderr is not None
     first = command.stderr.readline()
     assert re.fullmatch(r"(\S+/s, )?\d+ passed, \d+ failed(, \S+ left)?: \d+ of 100000\n", first)

@@ -123,7 +123,7 @@ def test_a_wish_that_is_admissible_in_steady_state_is_reached():
 
 def test_a_start_without_an_admissible_reference_is_refused_with_the_reason():
     _, _, _, governor = governed(2, 2)
-    with pytest.raises(ParameterError, match=r"state: .* step 5 .* % of the room: 'state 0 \+' in"):
+    with pytest.raises(ParameterError, match=r"state: .* step 5 .* % of the room: 'state 0 \+' at"):
         governor.decide(5, [30.0, 0.0], [0.0, 0.0])
     governor.reset([0.0, 0.0])
     assert governor.decide(5, [30.0, 0.0], [1.0, 1.0]).held
