@@ -17,6 +17,8 @@ _SLACK: Final = 1e-9
 """Share of a length or a control period by which values may be off."""
 _AXES: Final = "xyz"
 _MARGINS: Final = ("force_margin", "moment_margin", "distance_margin")
+_METHOD_OF: Final = {"periodic": "periodic_lqr", "time_invariant": "time_invariant_lqr"}
+"""Method whose loop the sets of a law are made for."""
 _NOISES: Final = ("position_noise", "velocity_noise", "attitude_noise", "rate_noise")
 
 
@@ -26,6 +28,7 @@ def check(checked: Checked) -> None:
     _check_port(checked, "deputy", -1.0)
     _check_loss(checked)
     _check_noise(checked)
+    _check_law(checked)
     if not checked.problems and _PLANT in checked.given:
         admissible.check(checked)
 
@@ -98,4 +101,16 @@ def _check_noise(checked: Checked) -> None:
             _PLANT, noisy[0],
             f"received {value} with no margin; required {', '.join(_MARGINS)} for the constraints "
             "to hold with noise; set them in reference_governor",
+        )  # fmt: skip
+
+
+def _check_law(checked: Checked) -> None:
+    """Warn of a governor whose sets are those of another law than the method's."""
+    governor, method = checked.get(_GOVERNOR, "governor"), checked.get(_CONTROLLER, "method")
+    fitting = _METHOD_OF.get(str(governor))
+    if fitting and method in _METHOD_OF.values() and method != fitting:
+        checked.warn(
+            _GOVERNOR, "governor",
+            f"received {governor!r} with method {method!r}, of whose loop its sets are not; "
+            f"required method {fitting!r} for the constraints to be kept; change one of them",
         )  # fmt: skip

@@ -216,3 +216,19 @@ def test_a_check_loads_no_kernels() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"
+
+
+@pytest.mark.parametrize(
+    ("governor", "method", "fits"),
+    [
+        ("periodic", "periodic_lqr", True),
+        ("time_invariant", "time_invariant_lqr", True),
+        ("none", "time_invariant_lqr", True),
+        ("periodic", "time_invariant_lqr", False),
+        ("time_invariant", "periodic_lqr", False),
+    ],
+)
+def test_a_governor_of_another_law_is_warned_of(governor, method, fits) -> None:
+    scenario = sections(governor_governor=governor) | {"nmpc_controller": {"method": method}}
+    told = [line for line in from_sections(scenario).warnings if "of whose loop" in str(line)]
+    assert len(told) == (not fits)
