@@ -10,6 +10,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.ocp.periodic_lqr import periodic_lqr
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem
 from spacecraft_gnc.types import Matrix3
+from spacecraft_gnc.vehicles.docking.admissible import WHOLE
 from spacecraft_gnc.vehicles.docking.chief import ChiefMotion
 from spacecraft_gnc.vehicles.docking.dynamics import RelativeMotion
 from spacecraft_gnc.vehicles.docking.geometry import Cuboid
@@ -19,8 +20,6 @@ from spacecraft_gnc.vehicles.docking.navigation import NavigationNoise
 from spacecraft_gnc.vehicles.docking.plant import DockingPlant
 from spacecraft_gnc.vehicles.docking.scenario import Scenario
 from spacecraft_gnc.vehicles.docking.state import Navigation
-
-_WHOLE = 1e-6  # of a control period, within which a rotation takes a whole number of them
 
 
 def plant(scenario: Scenario) -> DockingPlant:
@@ -124,7 +123,7 @@ def steps_of_period(scenario: Scenario) -> int:
     if not rate:
         return 1
     steps = 2.0 * math.pi / rate / scenario.period
-    if abs(steps - round(steps)) > _WHOLE * steps or round(steps) < 1:
+    if abs(steps - round(steps)) > WHOLE * steps or round(steps) < 1:
         nearest = 2.0 * math.pi / scenario.period / max(1, round(steps))
         problem = Problem(
             scenario.path,

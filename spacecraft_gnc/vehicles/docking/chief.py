@@ -86,6 +86,10 @@ class ChiefMotion:
         turn = lie.exp(as_vector3("axis", self.spin_axis) * (self.spin_rate * time))
         return read_only(turn @ self.initial_attitude)
 
+    def attitudes(self, times: Array) -> Array:
+        """Return R_HC (n, 3, 3) at times (n,) [s]."""
+        return turns(self.spin_axis, self.spin_rate * times) @ self.initial_attitude
+
     def angular_velocity(self, time: float) -> Vector3:
         """Return Omega (3,), inertial, chief frame [rad/s], at a time [s]."""
         rate = self.spin_rate * self.spin_axis + self.mean_motion * _NORMAL
@@ -98,3 +102,9 @@ class ChiefMotion:
         """
         change = np.cross(self.spin_rate * self.spin_axis, self.mean_motion * _NORMAL)
         return read_only(-self.attitude(time).T @ change)
+
+
+def turns(axis: Vector3, angles: Array) -> Array:
+    """Return the rotations (n, 3, 3) about a unit axis by angles (n,) [rad], all at once."""
+    turned, hat = angles[:, None, None], lie.hat(axis)
+    return np.asarray(np.eye(3) + np.sin(turned) * hat + (1.0 - np.cos(turned)) * (hat @ hat))

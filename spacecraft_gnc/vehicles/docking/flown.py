@@ -19,6 +19,7 @@ from spacecraft_gnc.drawing.vehicle import FlownRun
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.docking.chief import ChiefMotion
 from spacecraft_gnc.vehicles.docking.decision import Answer, Phase
+from spacecraft_gnc.vehicles.docking.geometry import deputy_center
 from spacecraft_gnc.vehicles.docking.metrics import angles, loss
 from spacecraft_gnc.vehicles.docking.summary import phase_name, states
 
@@ -176,13 +177,6 @@ def bodies(run: Flown) -> list[Body]:
     ]  # fmt: skip
 
 
-def deputy_center(
-    chief_port: Array, deputy_port: Array, port_offset: Array, attitude: Array
-) -> Array:
-    """Return the center of mass (..., 3) of the deputy relative to the chief's, chief frame [m]."""
-    return np.asarray(chief_port + port_offset - attitude @ deputy_port)
-
-
 def sight(plant: PlantParameters, length: float) -> Array:
     """Return the corners (8, 3) of the line-of-sight pyramid up to ``length`` [m] from the port.
 
@@ -215,10 +209,7 @@ def chief_attitudes(run: Flown) -> Array:
     p = run.scenario.plant
     start = lie.exp(p.chief_initial_rotation_vector)
     chief = ChiefMotion(p.mean_motion, p.chief_spin_rate, p.chief_spin_axis, start)
-    # All at once: a long flight has some 100,000 states.
-    turned, hat = (chief.spin_rate * run.times)[:, None, None], lie.hat(chief.spin_axis)
-    rotation = np.eye(3) + np.sin(turned) * hat + (1.0 - np.cos(turned)) * (hat @ hat)
-    return np.asarray(rotation @ chief.initial_attitude)
+    return chief.attitudes(run.times)
 
 
 def port_path(run: Flown) -> Array:

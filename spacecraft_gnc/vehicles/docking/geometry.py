@@ -73,6 +73,13 @@ class Cuboid:
         return np.diag(mass / 12.0 * (squares.sum() - squares))
 
 
+def deputy_center(
+    chief_port: Array, deputy_port: Array, port_offset: Array, attitude: Array
+) -> Array:
+    """Return the center of mass (..., 3) of the deputy relative to the chief's, chief frame [m]."""
+    return np.asarray(chief_port + port_offset - attitude @ deputy_port)
+
+
 def line_of_sight_margin(port_offset: ArrayLike, tangent: float, slack: float) -> Array:
     """Return the distance of the deputy's port from the sides of the pyramid along y or z [m].
 

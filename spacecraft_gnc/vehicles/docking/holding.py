@@ -13,6 +13,7 @@ import numpy as np
 from spacecraft_gnc import lie
 from spacecraft_gnc.types import Array, Matrix3, Vector3
 from spacecraft_gnc.vehicles.docking import geometry
+from spacecraft_gnc.vehicles.docking.chief import turns
 
 PHASES: Final = 360
 """Attitudes of the chief in a rotation at which a hold is evaluated."""
@@ -44,12 +45,6 @@ class Limits(NamedTuple):
     """[N]"""
     moment: float
     """[N m]"""
-
-
-def center_of(plant: Any, pose: Pose) -> Vector3:
-    """Return the deputy's center of mass (3,) [m]."""
-    center: Vector3 = plant.chief_port + pose.port_offset - pose.attitude @ plant.deputy_port
-    return center
 
 
 def line_of_sight_margin(plant: Any, port_offset: Vector3) -> float:
@@ -87,13 +82,15 @@ def hold_wrench(plant: Any, pose: Pose, spin_rate: float | None = None) -> Array
     **Assumptions**: relative gravity is linear (Clohessy and Wiltshire).
     """
     rate = plant.chief_spin_rate if spin_rate is None else spin_rate
-    n, center = plant.mean_motion, center_of(plant, pose)
+    n = plant.mean_motion
+    center = geometry.deputy_center(
+        plant.chief_port, plant.deputy_port, pose.port_offset, pose.attitude
+    )
     inertia = pose.attitude @ plant.inertia @ pose.attitude.T
     axis = plant.chief_spin_axis / np.linalg.norm(plant.chief_spin_axis)
     first = lie.exp(plant.chief_initial_rotation_vector)
-    turns = np.linspace(0.0, 2.0 * math.pi, PHASES, endpoint=False) if rate else np.zeros(1)
-    hat, (sine, cosine) = lie.hat(axis), (f(turns)[:, None, None] for f in (np.sin, np.cos))
-    chief = (np.eye(3) + sine * hat + (1.0 - cosine) * hat @ hat) @ first
+    angles = np.linspace(0.0, 2.0 * math.pi, PHASES, endpoint=False) if rate else np.zeros(1)
+    chief = turns(axis, angles) @ first
     radial, normal, spin = chief[:, 0], chief[:, 2], rate * (first.T @ axis)
     omega = spin + n * normal
     omega_dot = -np.cross(spin, n * normal)

@@ -26,7 +26,8 @@ from spacecraft_gnc.drawing.live import (
 )
 from spacecraft_gnc.drawing.sources import source_name
 from spacecraft_gnc.vehicles.docking.decision import Answer, Phase
-from spacecraft_gnc.vehicles.docking.flown import deputy_center, limit_of, sight
+from spacecraft_gnc.vehicles.docking.flown import limit_of, sight
+from spacecraft_gnc.vehicles.docking.geometry import deputy_center
 from spacecraft_gnc.vehicles.docking.scenario import Scenario
 from spacecraft_gnc.vehicles.docking.signals import COMMAND, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.vehicles.docking.state import DIRECTIONS

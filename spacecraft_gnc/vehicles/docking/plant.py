@@ -16,6 +16,7 @@ from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.types import Array, as_rotation, as_vector3, read_only
 from spacecraft_gnc.vehicles.docking.dynamics import ALL_THRUSTERS, RelativeMotion
 from spacecraft_gnc.vehicles.docking.flight import DockingFlight
+from spacecraft_gnc.vehicles.docking.geometry import deputy_center
 from spacecraft_gnc.vehicles.docking.navigation import NavigationNoise
 from spacecraft_gnc.vehicles.docking.signals import POSE, STATE, Motion, Wrench
 from spacecraft_gnc.vehicles.docking.state import DIRECTIONS, Navigation, RelativeState
@@ -140,8 +141,8 @@ class DockingPlant:
 
     def _pose(self, state: RelativeState) -> tuple[Any, ...]:
         """Return the deputy's center of mass and attitude, chief frame."""
-        ports = self.motion.chief_body.port, state.attitude @ self.motion.deputy.port
-        center = ports[0] + state.port_offset - ports[1]
+        ports = self.motion.chief_body.port, self.motion.deputy.port
+        center = deputy_center(*ports, state.port_offset, state.attitude)
         return ([*center.tolist(), *lie.to_quaternion_xyzw(state.attitude).tolist()],)
 
     def _start(self, initial: Navigation) -> RelativeState:

@@ -17,6 +17,7 @@ from spacecraft_gnc.audit.evidence import Evidence, Topics
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.audit.limits import Exceedance
 from spacecraft_gnc.audit.vehicle import Watch
+from spacecraft_gnc.recording.aligned import whole_steps
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.vehicles.docking.audit.commands import audit_applied, audit_law
 from spacecraft_gnc.vehicles.docking.audit.diagnosis import audit_diagnosis
@@ -25,7 +26,7 @@ from spacecraft_gnc.vehicles.docking.audit.law import believed_model
 from spacecraft_gnc.vehicles.docking.audit.motion import audit_motion
 from spacecraft_gnc.vehicles.docking.audit.navigation import audit_navigation
 from spacecraft_gnc.vehicles.docking.limits import limits_exceeded
-from spacecraft_gnc.vehicles.docking.recorded import read_recorded, whole_steps
+from spacecraft_gnc.vehicles.docking.recorded import read_recorded
 from spacecraft_gnc.vehicles.docking.signals import (
     ACCEPTED_TARGET,
     APPLIED,
@@ -48,7 +49,7 @@ class DockingAudit:
 
     def require_flight(self, evidence: Evidence) -> None:
         """Refuse what holds no whole control step."""
-        whole_steps(evidence.bag, evidence.columns)
+        whole_steps(evidence.bag, evidence.columns, APPLIED)
 
     def held_steps(self, evidence: Evidence) -> NDArray[np.int64]:
         """Return the steps for which the plant says that no command came in time."""

@@ -14,6 +14,7 @@ from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.audit.limits import Exceedance
 from spacecraft_gnc.audit.vehicle import Watch
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording.aligned import whole_steps
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.vehicles.two_wheel.audit.commands import (
@@ -24,7 +25,7 @@ from spacecraft_gnc.vehicles.two_wheel.audit.commands import (
 from spacecraft_gnc.vehicles.two_wheel.audit.diagnosis import audit_diagnosis
 from spacecraft_gnc.vehicles.two_wheel.audit.motion import audit_motion
 from spacecraft_gnc.vehicles.two_wheel.audit.plans import audit_plans
-from spacecraft_gnc.vehicles.two_wheel.recorded import PLANS, whole_steps
+from spacecraft_gnc.vehicles.two_wheel.recorded import PLANS
 from spacecraft_gnc.vehicles.two_wheel.signals import (
     APPLIED,
     COMMAND,
@@ -54,7 +55,7 @@ class WheelAudit:
 
     def require_flight(self, evidence: Evidence) -> None:
         """Refuse what holds no whole control step, or other wheels than the scenario."""
-        whole_steps(evidence.bag, evidence.columns)
+        whole_steps(evidence.bag, evidence.columns, APPLIED)
         if evidence.scenario is None:
             return
         m = evidence.scenario.plant.wheel_inertias.size
