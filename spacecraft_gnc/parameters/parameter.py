@@ -265,9 +265,10 @@ def typed(spec: ParameterSpec, value: Value) -> Any:
     """Return an admissible ROS 2 value as the core wants it.
 
     Numeric arrays become read-only float64 arrays of the shape of ``spec`` (a scalar weight s
-    becomes s I), string arrays become tuples, a numeric array that is not given becomes all NaN.
+    becomes s I), arrays of strings or integers become tuples, a numeric array that is not given
+    becomes all NaN.
     """
-    if spec.kind is Kind.STRING_ARRAY:
+    if spec.kind in (Kind.STRING_ARRAY, Kind.INTEGER_ARRAY):
         return tuple(value) if isinstance(value, list) else (value,)
     if spec.kind not in (Kind.DOUBLE_ARRAY, Kind.DYNAMIC):
         return value

@@ -1,0 +1,1 @@
+"""Spacecraft that form up on a natural trajectory relative to a circular orbit."""

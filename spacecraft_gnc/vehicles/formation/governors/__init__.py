@@ -1,0 +1,1 @@
+"""Governors of the formation."""

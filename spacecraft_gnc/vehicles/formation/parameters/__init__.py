@@ -1,0 +1,1 @@
+"""Parameters of a formation scenario, by section."""
