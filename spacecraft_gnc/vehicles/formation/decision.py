@@ -66,4 +66,8 @@ class FormationDecision(NamedTuple):
     @property
     def largest_response_error(self) -> float:
         """Largest `response_error` of a craft [m/s]; NaN: none is known."""
-        return float(np.max(self.response_error, initial=-math.inf)) if self.response_error.size else math.nan
+        return (
+            float(np.max(self.response_error, initial=-math.inf))
+            if self.response_error.size
+            else math.nan
+        )

@@ -71,9 +71,7 @@ def _pack_reference(reference: FormationReference) -> tuple[Any, ...]:
 
 def _unpack_reference(message: Message) -> FormationReference:
     shift = np.array(message["shift"], dtype=np.int64)
-    position, velocity = (
-        _by_craft(message, name, shift.size) for name in ("position", "velocity")
-    )
+    position, velocity = (_by_craft(message, name, shift.size) for name in ("position", "velocity"))
     return FormationReference(shift, position, velocity)
 
 
