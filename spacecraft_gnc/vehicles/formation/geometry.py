@@ -31,8 +31,9 @@ def separations(position: Array) -> Array:
 
 
 def communication_angles_deg(position: Array, commanded: Array) -> Array:
-    """Return the angle of each pair (..., m), between where the other craft is and where it should
-    be [deg].
+    """Return the angle of each pair (..., m), from where the other craft is to where it belongs.
+
+    In degrees.
 
     Parameters
     ----------
