@@ -1,0 +1,83 @@
+"""Kernels that enumerate combinations of shifts; `choice` documents them.
+
+The combinations are the leaves of a tree, one craft a level, shifts in ascending order; a branch
+ends where a pair fails. So ties go to the lowest shifts, the first craft's first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spacecraft_gnc._kernels import kernel
+
+
+@kernel
+def cheapest(able, masks, apart, counted, cost, is_complete, shifts):
+    """Least J of the admissible combinations, and their number; sets ``shifts`` (n,).
+
+    able (n, p), masks (n, n, p, p); apart (p, p): W of a pair; counted (n,): craft in W; cost
+    (n, p): Omega of each. Not ``is_complete``: branches that cannot be cheaper are left out, and
+    not counted. Infinity if there is none.
+    """
+    n, p = able.shape
+    at, before = np.full(n, -1), np.zeros(n)
+    best, count, level = np.inf, 0, 0
+    while level >= 0:
+        at[level] += 1
+        a = at[level]
+        if a == p:
+            level -= 1
+            continue
+        if not able[level, a]:
+            continue
+        total, fits = before[level] + cost[level, a], True
+        for i in range(level):
+            if not masks[i, level, at[i], a]:
+                fits = False
+                break
+            if counted[i] and counted[level]:
+                total += apart[at[i], a]
+        if not fits or (not is_complete and total >= best):
+            continue
+        if level < n - 1:
+            level += 1
+            before[level], at[level] = total, -1
+            continue
+        count += 1
+        if total < best:
+            best = total
+            shifts[:] = at
+    return best, count
+
+
+@kernel
+def least_violating(single, double, apart, counted, cost, able, shifts):
+    """Least largest violation of a combination; sets ``shifts`` (n,), of equal ones the cheapest.
+
+    single (n, p), double (n, n, p, p): violations, at most 0 where everything is kept.
+    """
+    n, p = single.shape
+    at, before, until = np.full(n, -1), np.zeros(n), np.zeros(n)
+    best, price, level = np.inf, np.inf, 0
+    while level >= 0:
+        at[level] += 1
+        a = at[level]
+        if a == p:
+            level -= 1
+            continue
+        if not able[level, a]:
+            continue
+        worst, total = max(until[level], single[level, a]), before[level] + cost[level, a]
+        for i in range(level):
+            worst = max(worst, double[i, level, at[i], a])
+            if counted[i] and counted[level]:
+                total += apart[at[i], a]
+        if worst > best or (worst == best and total >= price):
+            continue
+        if level < n - 1:
+            level += 1
+            before[level], until[level], at[level] = total, worst, -1
+            continue
+        best, price = worst, total
+        shifts[:] = at
+    return best

@@ -1,0 +1,87 @@
+"""Choice among the combinations of shifts: the cheapest admissible one, or the least violating.
+
+J = W + Omega, W = shift_weight sum over pairs of (circular distance of their shifts)^2, and Omega
+the sum over craft and steps of the horizon of e . Q e + dv . R dv.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from spacecraft_gnc.governors.time_shift import _choice_kernels as kernels
+from spacecraft_gnc.governors.time_shift.prediction import Mask, Prediction, Predictor
+from spacecraft_gnc.governors.time_shift.problem import Integers
+
+
+class Choice(NamedTuple):
+    """A combination of shifts."""
+
+    shifts: Integers
+    """(n,)"""
+    n_admissible: int
+    """Combinations that keep every constraint."""
+    violation: float
+    """Largest excess over a limit, as a share of it; 0 for an admissible one."""
+
+
+def cheapest(predictor: Predictor, prediction: Prediction) -> Choice | None:
+    """Return the admissible combination of least J; None if none is admissible."""
+    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
+    counted = ~prediction.lost
+    best, count = kernels.cheapest(
+        prediction.able, prediction.pairs, predictor.apart, counted, prediction.cost, True, shifts
+    )
+    return Choice(shifts, int(count), 0.0) if math.isfinite(best) else None
+
+
+def wished_for(predictor: Predictor, prediction: Prediction) -> Integers:
+    """Return the combination (n,) of least J whether admissible or not."""
+    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
+    kernels.cheapest(
+        _selectable(prediction), np.ones_like(prediction.pairs), predictor.apart,
+        ~prediction.lost, prediction.cost, False, shifts,
+    )  # fmt: skip
+    return shifts
+
+
+def least_violating(predictor: Predictor, prediction: Prediction) -> Choice:
+    """Return the combination whose largest excess, as a share of its limit, is least."""
+    problem = predictor.problem
+    found = predictor.extremes(prediction)
+    single = np.sqrt(prediction.delta_v) / problem.max_delta_v - 1.0
+    double = np.full(found.nearest.shape, -1.0)
+    if problem.min_separation > 0.0:
+        double = np.maximum(double, 1.0 - np.sqrt(found.nearest) / problem.min_separation)
+    if problem.max_angle < math.pi:
+        angle = np.arccos(np.clip(found.cosine, -1.0, 1.0))
+        double = np.maximum(double, angle / problem.max_angle - 1.0)
+    shifts = np.zeros(problem.n_craft, dtype=np.int64)
+    # A kept limit is as good as another: of those, the cheapest.
+    worst = kernels.least_violating(
+        np.maximum(single, 0.0), np.maximum(double, 0.0), predictor.apart, ~prediction.lost,
+        prediction.cost, _selectable(prediction), shifts,
+    )  # fmt: skip
+    return Choice(shifts, 0, float(worst))
+
+
+def cost_of(predictor: Predictor, prediction: Prediction, shifts: Integers) -> tuple[float, float]:
+    """Return (W, Omega) of a combination."""
+    craft = np.flatnonzero(~prediction.lost)
+    apart = predictor.apart[np.ix_(shifts[craft], shifts[craft])]
+    return float(np.triu(apart, 1).sum()), float(prediction.cost[craft, shifts[craft]].sum())
+
+
+def is_admissible(prediction: Prediction, shifts: Integers) -> bool:
+    """Tell whether a combination keeps every constraint."""
+    n = len(shifts)
+    return all(prediction.able[i, shifts[i]] for i in range(n)) and all(
+        prediction.pairs[i, j, shifts[i], shifts[j]] for i in range(n) for j in range(i + 1, n)
+    )
+
+
+def _selectable(prediction: Prediction) -> Mask:
+    """Return the shifts (n, p) that can be chosen at all: those of a lost craft cannot."""
+    return np.where(prediction.lost[:, None], prediction.able, np.True_)

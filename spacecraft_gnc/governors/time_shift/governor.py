@@ -1,0 +1,208 @@
+"""Time shift governor: the cheapest shifts of the commanded states that keep every constraint.
+
+Each step enumerates all p^n combinations of shifts, constant over the horizon. Shifts that are
+admissible stay so on the modeled loop (up to what lies beyond the horizon), so that there is
+always a combination to choose once there was one. docs/formation.md has theory and figures.
+Source: report of AFRL (Kolmanovsky 2016), section 3.3, (14)-(20).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from spacecraft_gnc.arguments import as_count, require_kind, require_positive
+from spacecraft_gnc.arrays import as_finite
+from spacecraft_gnc.errors import ParameterError
+from spacecraft_gnc.governors.time_shift import choice
+from spacecraft_gnc.governors.time_shift.choice import Choice
+from spacecraft_gnc.governors.time_shift.decision import NO_RESPONSE, Answer, TimeShiftDecision
+from spacecraft_gnc.governors.time_shift.margins import Margin
+from spacecraft_gnc.governors.time_shift.monitor import CraftMonitor
+from spacecraft_gnc.governors.time_shift.prediction import Prediction, Predictor
+from spacecraft_gnc.governors.time_shift.problem import Integers, TimeShiftProblem
+from spacecraft_gnc.types import Array
+
+_NONE: Final[Integers] = np.empty(0, dtype=np.int64)
+
+
+class TimeShiftGovernor:
+    """Time shift governor of one formation.
+
+    Parameters
+    ----------
+    problem : TimeShiftProblem
+    formed_within : float
+        Distance from the commanded positions at which a formation is taken as reached [m].
+    patience : int
+        Steps after which unchanged shifts of a reached, undesired formation are a deadlock.
+    monitor : CraftMonitor, optional
+        Notices craft that no longer answer; None: one with its defaults.
+    """
+
+    def __init__(
+        self,
+        problem: TimeShiftProblem,
+        *,
+        formed_within: float = 10.0,
+        patience: int = 5,
+        monitor: CraftMonitor | None = None,
+    ) -> None:
+        self.problem = require_kind("problem", problem, TimeShiftProblem)
+        self.formed_within = require_positive("formed_within", formed_within)
+        self.patience = as_count("patience", patience)
+        self._predictor = Predictor(problem)
+        self._monitor = CraftMonitor(problem) if monitor is None else monitor
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last shifts, all that was observed, and any deadlock."""
+        self._monitor.reset()
+        self._shifts: Integers | None = None
+        self._last: tuple[int, Array, Array] | None = None
+        self._parked_for = 0
+
+    def warm_up(self) -> None:
+        """Compile, or load, everything that a step calls."""
+        n = self.problem.n_craft
+        states = self.problem.commanded(0, np.arange(n))
+        lost = np.zeros(n, dtype=np.bool_)
+        for gone in (lost, ~lost):
+            prediction = self._predictor.predict(0, states, np.zeros(n, dtype=np.int64), gone)
+            choice.cheapest(self._predictor, prediction)
+            choice.wished_for(self._predictor, prediction)
+            choice.least_violating(self._predictor, prediction)
+
+    def decide(self, step: int, states: object, applied: object | None = None) -> TimeShiftDecision:
+        """Return the shifts of a step.
+
+        Parameters
+        ----------
+        step : int
+            Control step k.
+        states : (n, 6) array
+            Position [m] and velocity [m/s] of each craft at the start of the step, before its
+            impulse.
+        applied : (n, 3) array, optional
+            Delta-v asked for in the step that ended here [m/s]; None: that of the craft's laws
+            under the last decision.
+
+        Raises
+        ------
+        ShapeError, ParameterError
+            If an argument is not of that kind.
+        """
+        n = self.problem.n_craft
+        k = as_count("step", step, 0, most=2**62)
+        x = as_finite("states", states, (n, 6), f"{n} rows of 6 finite numbers")
+        response = self._observe(k, x, applied)
+        last = np.zeros(n, dtype=np.int64) if self._shifts is None else self._shifts
+        prediction = self._predictor.predict(k, x, last, self._monitor.lost)
+        chosen, answer = self._choose(prediction)
+        decision = self._decision(prediction, x, chosen, answer, response)
+        self._shifts = decision.shifts
+        self._last = (k, x, self.problem.delta_v(k, x, decision.shifts))
+        return decision
+
+    def _observe(self, k: int, x: Array, applied: object | None) -> tuple[float, ...]:
+        """Compare the states with those that the last delta-v should have led to."""
+        n = self.problem.n_craft
+        asked = None if applied is None else as_finite("applied", applied, (n, 3), f"{n} rows of 3")
+        if self._last is None or self._last[0] != k - 1:
+            return (NO_RESPONSE,) * n
+        _, before, by_law = self._last
+        return tuple(self._monitor.observe(before, by_law if asked is None else asked, x).tolist())
+
+    def _choose(self, prediction: Prediction) -> tuple[Choice, Answer]:
+        found = choice.cheapest(self._predictor, prediction)
+        if found is not None:
+            return found, Answer.OPTIMAL
+        if self._shifts is not None and not prediction.lost.any():
+            return Choice(self._shifts, 0, math.nan), Answer.HELD
+        return choice.least_violating(self._predictor, prediction), Answer.LEAST_VIOLATING
+
+    def _decision(
+        self,
+        prediction: Prediction,
+        x: Array,
+        chosen: Choice,
+        answer: Answer,
+        response: tuple[float, ...],
+    ) -> TimeShiftDecision:
+        problem, shifts = self.problem, chosen.shifts
+        shift_cost, state_cost = choice.cost_of(self._predictor, prediction, shifts)
+        error = self._error(prediction, x, shifts)
+        is_at_rest = error < self.formed_within
+        is_equal = shift_cost == 0.0
+        held = self._shifts is not None and np.array_equal(shifts, self._shifts)
+        self._parked_for = self._parked_for + 1 if held and is_at_rest and not is_equal else 0
+        return TimeShiftDecision(
+            step=prediction.step,
+            shifts=shifts,
+            answer=answer,
+            shift_cost=shift_cost,
+            state_cost=state_cost,
+            n_admissible=chosen.n_admissible,
+            n_candidates=problem.samples ** int(np.count_nonzero(~prediction.lost)),
+            margin=self._least(prediction, shifts),
+            refused=self._refused(prediction, shifts),
+            error=error,
+            formed=is_equal and is_at_rest,
+            deadlocked=self._parked_for >= self.patience,
+            waypoint=_NONE,
+            waypoints_left=0,
+            lost=prediction.lost,
+            response=response,
+        )
+
+    def _error(self, prediction: Prediction, x: Array, shifts: Integers) -> float:
+        """Return the largest distance from the commanded positions [m]."""
+        away = (x - self.problem.commanded(prediction.step, shifts))[~prediction.lost, :3]
+        return float(np.sqrt(np.einsum("ij,ij->i", away, away)).max(initial=0.0))
+
+    def _least(self, prediction: Prediction, shifts: Integers) -> Margin:
+        return min(self._predictor.margins(prediction, shifts), key=lambda found: found.share)
+
+    def _refused(self, prediction: Prediction, shifts: Integers) -> Margin | None:
+        wish = choice.wished_for(self._predictor, prediction)
+        return None if np.array_equal(wish, shifts) else self._least(prediction, wish)
+
+
+def require_admissible(problem: TimeShiftProblem, states: object) -> None:
+    """Refuse a start (n, 6) at step 0 from which no combination of shifts is admissible.
+
+    Raises
+    ------
+    ParameterError
+        With the constraint, craft, step and amount of the least violating combination.
+    """
+    missed = start_violation(problem, states)
+    if missed is not None:
+        raise ParameterError(
+            f"start: received one from which none of the {problem.samples**problem.n_craft} "
+            f"combinations of time shifts keeps every limit; missed at the least by "
+            f"{-100.0 * missed.share:.3g} %: {missed.text()}; required one that keeps them all; "
+            "start nearer, or widen that limit"
+        )
+
+
+def start_violation(problem: TimeShiftProblem, states: object) -> Margin | None:
+    """Return what the least violating combination exceeds at step 0; None if one is admissible.
+
+    Parameters
+    ----------
+    problem : TimeShiftProblem
+    states : (n, 6) array
+        Position [m] and velocity [m/s] of each craft.
+    """
+    n = problem.n_craft
+    x = as_finite("states", states, (n, 6), f"{n} rows of 6 finite numbers")
+    predictor = Predictor(problem)
+    none = np.zeros(n, dtype=np.bool_)
+    prediction = predictor.predict(0, x, np.zeros(n, dtype=np.int64), none)
+    if choice.cheapest(predictor, prediction) is not None:
+        return None
+    shifts = choice.least_violating(predictor, prediction).shifts
+    return min(predictor.margins(prediction, shifts), key=lambda found: found.share)

@@ -1,0 +1,209 @@
+"""The time shift governor: the report's figures, the choice against all combinations, holding."""
+
+from __future__ import annotations
+
+import math
+
+import formations
+import numpy as np
+import pytest
+from enumerated_shifts import enumerate_all
+
+from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.governors.time_shift import (
+    Answer,
+    Constraint,
+    TimeShiftGovernor,
+    require_admissible,
+    start_violation,
+)
+
+
+def separations(states):
+    return [np.linalg.norm(states[i, :3] - states[j, :3]) for i, j in formations.PAIRS]
+
+
+def angles(problem, step, states, shifts):
+    """Return the angles between actual and commanded relative positions [rad]."""
+    told = problem.commanded(step, shifts)
+    found = []
+    for i, j in formations.PAIRS:
+        u, v = states[i, :3] - states[j, :3], told[i, :3] - told[j, :3]
+        found.append(math.atan2(np.linalg.norm(np.cross(u, v)), u @ v))
+    return found
+
+
+def fly(problem, states, shifts_of, steps):
+    """Return states, delta-v and angles of a flight, and the decisions or shifts on the way."""
+    flown, pushes, wide, decided = [], [], [], []
+    for k in range(steps):
+        told = shifts_of(k, states)
+        decided.append(told)
+        shifts = getattr(told, "shifts", told)
+        flown.append(states)
+        pushes.append(problem.delta_v(k, states, shifts))
+        wide.append(angles(problem, k, states, shifts))
+        if getattr(told, "formed", False):
+            break
+        states = problem.step(states, pushes[-1])
+    return np.array(flown), np.array(pushes), np.array(wide), decided
+
+
+def test_without_the_governor_the_figures_start_breaks_every_limit():
+    problem = formations.problem()
+    unshifted = np.zeros(3, dtype=np.int64)
+    start = formations.start(problem.natural)
+    flown, pushes, wide, _ = fly(problem, start, lambda *_: unshifted, 150)
+    assert np.linalg.norm(pushes, axis=2).max() == pytest.approx(1.2185, abs=5e-5)
+    assert min(map(min, map(separations, flown))) == pytest.approx(578.8, abs=0.05)
+    assert wide.max() > math.radians(170.0)
+
+
+def test_with_the_governor_the_figures_start_forms_within_the_limits():
+    problem = formations.problem()
+    governor = TimeShiftGovernor(problem)
+    start = formations.start(problem.natural)
+    flown, pushes, wide, decided = fly(problem, start, governor.decide, 100)
+    assert len(decided) - 1 == 73
+    assert decided[-1].formed
+    assert np.linalg.norm(pushes, axis=2).max() == pytest.approx(0.8872, abs=5e-5)
+    assert min(map(min, map(separations, flown))) == pytest.approx(1664.8, abs=0.05)
+    assert wide.max() < problem.max_angle
+    assert {decision.answer for decision in decided} == {Answer.OPTIMAL}
+    assert all(decision.is_admissible for decision in decided)
+    # The last shifts are admissible again, so that the cost cannot grow by more than rounding.
+    costs = np.array([decision.cost for decision in decided])
+    assert (np.diff(costs) < 1e-9 * costs[:-1]).all()
+
+
+@pytest.mark.parametrize("step", [0, 3, 30])
+def test_the_choice_is_the_best_of_all_combinations(step):
+    problem = formations.problem()
+    governor = TimeShiftGovernor(problem)
+    states = formations.start(problem.natural)
+    for k in range(step):
+        states = problem.step(states, problem.delta_v(k, states, governor.decide(k, states).shifts))
+    decision, every = governor.decide(step, states), enumerate_all(problem, step, states)
+    chosen = tuple(decision.shifts)
+    np.testing.assert_array_equal(decision.shifts, every.best())
+    assert decision.n_admissible == np.count_nonzero(every.admissible)
+    assert decision.n_candidates == every.admissible.size
+    assert decision.shift_cost == every.shift_cost[chosen]
+    assert decision.state_cost == pytest.approx(every.state_cost[chosen], rel=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_starts_at_random_agree_with_the_enumeration(seed):
+    generator = np.random.default_rng(seed)
+    problem = formations.problem(p=12, phases=(4, 0, 8), horizon=30)
+    phases = generator.integers(12, size=3)
+    amplitudes, offsets = generator.uniform(0.8, 1.8, 3), generator.uniform(3e3, 9e3, 3)
+    states = formations.start(problem.natural, phases, offsets, amplitudes)
+    states[:, 2:6:3] = generator.normal(0.0, (300.0, 0.3), (3, 2))  # out of the plane as well
+    every = enumerate_all(problem, 7, states)
+    decision = TimeShiftGovernor(problem).decide(7, states)
+    assert max(decision.n_admissible, 0) == np.count_nonzero(every.admissible)
+    if every.admissible.any():
+        np.testing.assert_array_equal(decision.shifts, every.best())
+    else:
+        assert decision.answer == Answer.LEAST_VIOLATING
+        assert decision.margin.share < 0.0
+
+
+def test_margins_are_those_of_the_flight():
+    problem = formations.problem()
+    start = formations.start(problem.natural)
+    decision = TimeShiftGovernor(problem).decide(0, start)
+    flown, pushes, wide, _ = fly(problem, start, lambda *_: decision.shifts, 101)
+    fast = np.linalg.norm(pushes[:100], axis=2)
+    near = np.array([separations(states) for states in flown])
+    shares = {
+        Constraint.DELTA_V: 1.0 - fast.max(),
+        Constraint.SEPARATION: near.min() / 1000.0 - 1.0,
+        Constraint.ANGLE: 1.0 - wide.max() / problem.max_angle,
+    }
+    assert decision.margin.constraint == min(shares, key=shares.get)
+    assert decision.margin.share == pytest.approx(min(shares.values()), rel=1e-9)
+
+
+def test_a_start_too_far_away_is_refused_with_what_is_missed():
+    problem = formations.problem()
+    start = formations.start(problem.natural, offsets=(6103.0, 25000.0, 5036.0))
+    missed = start_violation(problem, start)
+    assert missed is not None
+    assert missed.constraint == Constraint.DELTA_V
+    assert missed.craft == (1,)
+    assert missed.share < 0.0
+    with pytest.raises(ParameterError, match=r"delta-v of craft 2: .* limit 1 m/s, now"):
+        require_admissible(problem, start)
+    require_admissible(problem, formations.start(problem.natural))
+
+
+def test_the_least_violating_combination_violates_least():
+    problem = formations.problem(p=12, phases=(4, 0, 8), horizon=30, max_delta_v=0.4)
+    start = formations.start(problem.natural, (3, 9, 6))
+    missed = start_violation(problem, start)
+    assert not enumerate_all(problem, 0, start).admissible.any()
+    # With every limit wider by what is missed there is an admissible one; by a bit less, none.
+    for factor, is_any in ((1.0 + 1e-9, True), (1.0 - 1e-6, False)):
+        excess = -missed.share * factor
+        wider = formations.problem(
+            p=12, phases=(4, 0, 8), horizon=30,
+            max_delta_v=0.4 * (1.0 + excess),
+            min_separation=1000.0 * (1.0 - excess),
+            max_angle=min(math.pi, problem.max_angle * (1.0 + excess)),
+        )  # fmt: skip
+        assert enumerate_all(wider, 0, start).admissible.any() == is_any
+
+
+def test_without_an_admissible_combination_the_last_shifts_are_held():
+    problem = formations.problem()
+    governor = TimeShiftGovernor(problem)
+    start = formations.start(problem.natural)
+    first = governor.decide(0, start)
+    pushed = problem.step(start, problem.delta_v(0, start, first.shifts))
+    pushed[1, 1] += 3e4
+    governor._monitor.reset()
+    governor._last = None  # a push that is no missing response
+    held = governor.decide(1, pushed)
+    assert held.answer == Answer.HELD
+    np.testing.assert_array_equal(held.shifts, first.shifts)
+    assert not held.is_admissible
+    assert held.margin.constraint == Constraint.DELTA_V
+    assert held.margin.craft == (1,)
+
+
+def test_two_and_four_craft():
+    two = formations.problem(phases=(0, 25))
+    start = formations.start(two.natural, PHASES_2, (6000.0, 4000.0), (1.2, 0.9))
+    _, pushes, _, decided = fly_any(two, start)
+    assert decided[-1].formed
+    assert np.linalg.norm(pushes, axis=2).max() <= 1.0
+    four = formations.problem(p=10, phases=(0, 2, 5, 7), horizon=20)
+    start = formations.start(four.natural, (9, 2, 5, 7), (3e3, 6e3, 9e3, 1.2e4), (1.0,) * 4)
+    decision = TimeShiftGovernor(four).decide(0, start)
+    assert decision.n_candidates == 10**4
+    assert len(decision.shifts) == 4
+
+
+PHASES_2 = (45, 21)
+
+
+def fly_any(problem, states):
+    governor, flown, pushes, decided = TimeShiftGovernor(problem), [], [], []
+    for k in range(150):
+        decided.append(governor.decide(k, states))
+        flown.append(states)
+        pushes.append(problem.delta_v(k, states, decided[-1].shifts))
+        if decided[-1].formed:
+            break
+        states = problem.step(states, pushes[-1])
+    return np.array(flown), np.array(pushes), None, decided
+
+
+def test_states_of_another_shape_are_refused():
+    governor = TimeShiftGovernor(formations.problem())
+    with pytest.raises(ShapeError, match="states"):
+        governor.decide(0, np.zeros((2, 6)))
+    with pytest.raises(ParameterError, match="finite"):
+        governor.decide(0, np.full((3, 6), np.nan))
