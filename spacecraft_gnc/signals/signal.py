@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Any, Final, NamedTuple
 
 from spacecraft_gnc.signals.codec import Codec, is_flat
@@ -68,6 +68,9 @@ class Signal:
         Whether a recorder takes it unless asked otherwise.
     shared
         Whether it belongs to the graph and not to one of its agents.
+    of_craft
+        Whether each craft of the vehicle has its own, in the craft's namespace; where the vehicle
+        is one craft, that is the agent's.
     qos
         Offered by its publishers.
     rank
@@ -89,6 +92,7 @@ class Signal:
     unique: bool = False
     recorded: bool = True
     shared: bool = False
+    of_craft: bool = False
     qos: QosProfile = STREAM
     rank: int = LAST
     pack: Callable[[Any], Sequence[Any]] | None = None
@@ -97,6 +101,10 @@ class Signal:
     def __str__(self) -> str:
         """Return the name of the topic."""
         return self.name
+
+    def of(self, craft: str) -> Signal:
+        """Return the signal of one craft, named relative to the agent; the same each time."""
+        return _of(self, craft)
 
     @property
     def kinds(self) -> dict[str, str]:
@@ -205,3 +213,8 @@ class Signal:
             if check is not None:
                 checks.append((name, check, field.rule.when))
         return checks
+
+
+@lru_cache(maxsize=256)
+def _of(signal: Signal, craft: str) -> Signal:
+    return replace(signal, name=f"{craft}/{signal.name}", of_craft=False)

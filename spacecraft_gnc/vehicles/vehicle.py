@@ -187,6 +187,9 @@ class Vehicle:
     """Function of a scenario and of whether it is cut short on purpose: the `Outlook`."""
     facts: Lazy | None = None
     """Function of a scenario and its `Outlook`: the `Facts`."""
+    craft: Lazy | None = None
+    """Function of a scenario: the namespaces of its craft, relative to the agent's, where the
+    vehicle is several craft with a controller node each (`scenario.craft`). None: it is one."""
     signals: Lazy | None = None
     """Tuple of the signals that its nodes exchange (`signals.Signal`)."""
     flight: Lazy | None = None

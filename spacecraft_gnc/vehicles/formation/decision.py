@@ -40,34 +40,38 @@ class FormationDecision(NamedTuple):
     state_cost: float = math.nan
     """Its part Omega, of state errors and delta-v."""
     n_admissible: int = 0
-    """Candidates that keep every constraint."""
+    """Candidates that keep every constraint; -1: not counted."""
     n_candidates: int = 0
     constraint: str = ""
-    """The one with the least room along the prediction; empty: there is none."""
+    """The one with the least room along the prediction, in words; empty: there is none."""
     margin: float = math.inf
-    """Its room as a share of its limit; negative: violated; infinite: there is none."""
-    constraint_ahead: int = -1
+    """Its room as a share of its limit; negative: exceeded; infinite: there is no limit."""
+    constraint_ahead: float = -1.0
     """In how many steps it is met; -1: there is none."""
+    refused: str = ""
+    """The one that the cheapest candidate of all would exceed the most, in words; empty: that
+    candidate is chosen."""
+    refused_margin: float = math.inf
+    """Its room as a share of its limit; infinite: there is none."""
+    error: float = math.nan
+    """Largest distance of a craft from its commanded position, lost ones left out [m]."""
     deadlocked: bool = False
     """Whether the craft are parked in a formation that is not the desired one."""
     waypoint: NDArray[np.int64] = np.empty(0, dtype=np.int64)
     """(n,) shifts of the parked formation that is passed next; empty: none."""
     passages_left: int = 0
-    """Parked formations still to be passed, the desired one included."""
+    """Parked formations still to be passed, the desired one included; -1: no way was found."""
     lost: NDArray[np.bool_] = np.empty(0, dtype=bool)
-    """(n,) craft concluded lost."""
-    response_error: Array = np.empty(0)
-    """(n,) change of velocity over the last step less the one foretold [m/s]."""
+    """(n,) craft concluded lost; empty: not watched."""
+    response: Array = np.empty(0)
+    """(n,) share of the last delta-v that each craft is measured to have given; NaN: too small to
+    tell."""
     formed: bool = False
     """Whether the desired formation is attained: equal shifts, and small position errors."""
     decision_time: float = math.nan
     """Wall time [s]."""
 
     @property
-    def largest_response_error(self) -> float:
-        """Largest `response_error` of a craft [m/s]; NaN: none is known."""
-        return (
-            float(np.max(self.response_error, initial=-math.inf))
-            if self.response_error.size
-            else math.nan
-        )
+    def watched(self) -> NDArray[np.bool_] | None:
+        """`lost`; None: not watched."""
+        return self.lost if self.lost.size else None

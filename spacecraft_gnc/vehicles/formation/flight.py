@@ -43,7 +43,7 @@ class FormationFlight(Flight):
     iterations : (n,) array of int
         Candidates among which the governor chose.
     residual : (n,) array
-        Largest error of a craft's response to its last command that was foretold [m/s]; NaN: none.
+        Largest distance of a craft from its commanded position, lost ones left out [m].
     solve_time : (n,) array
         Wall time of the governor's decision [s].
     cost, shift_cost, state_cost : (n,) arrays
@@ -76,7 +76,7 @@ class FormationFlight(Flight):
         "state.healthy", (-1,), carried_by="hill_state/healthy", missing=True
     )
     lost: NDArray[Any] = column(
-        "decision.lost", (-1,), carried_by="time_shift_status/lost", missing=False
+        "decision.watched", (-1,), carried_by="time_shift_status/lost", missing=False
     )
     status: NDArray[Any] = column(
         "decision.answer", carried_by="time_shift_status/status", missing=-1
@@ -85,7 +85,7 @@ class FormationFlight(Flight):
     iterations: NDArray[Any] = column(
         "decision.n_candidates", carried_by="time_shift_status/n_candidates", missing=0
     )
-    residual: Array = column(lambda step: step.decision.largest_response_error)
+    residual: Array = column("decision.error", carried_by="time_shift_status/error")
     solve_time: Array = column(
         "decision.decision_time", carried_by="time_shift_status/wall_decision_time"
     )

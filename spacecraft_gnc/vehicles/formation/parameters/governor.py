@@ -52,7 +52,9 @@ class ShiftParameters:
     shift_weight: float = parameter(
         Kind.DOUBLE,
         1.0,
-        "weight of the shifts' own cost W beside that of state errors and delta-v",
+        "weight of the shifts' own cost, the squares of the pairs' differences, beside that of "
+        "state errors and delta-v, which has the weights of nmpc_controller",
+        unit="1/control steps^2",
         above=0.0,
         maximum=LARGEST_WEIGHT,
     )
@@ -81,10 +83,10 @@ class ShiftParameters:
         minimum=0.0,
         maximum=180.0,
     )
-    separation_checks: int = parameter(
+    prediction_substeps: int = parameter(
         Kind.INTEGER,
         1,
-        "instants of each predicted step at which the separation is checked; 1: at its start",
+        "instants of each predicted step at which separation and angle are checked; 1: its start",
         minimum=1,
         maximum=100,
     )
@@ -93,12 +95,6 @@ class ShiftParameters:
         True,
         "craft parked in a formation that is not the desired one pass to it by way of others, each "
         "passage within every constraint",
-    )
-    finds_losses: bool = parameter(
-        Kind.BOOL,
-        True,
-        "a craft that does not answer is concluded lost: the others keep away from where it "
-        "drifts, and form up without it",
     )
 
 
