@@ -44,4 +44,4 @@ def formation_gain(
     weights = [require_positive("position", position), as_limit("velocity", velocity)]
     effort = require_positive("delta_v", delta_v) * np.eye(3)
     law = periodic_lqr(over_step[None], through[None], np.diag(np.repeat(weights, 3)), effort)
-    return read_only(-law.gains[0])
+    return read_only(0.0 - law.gains[0])  # without -0.0
