@@ -9,9 +9,9 @@ The chief is a point, not one of the craft. It starts with the state of the circ
 orbit, and then feels J2 itself. Hill's frame is attached to it, x along its radius and z along its
 momentary angular momentum h; it turns at (r g_z / h, 0, h / r^2), where g_z is the component of g
 along its own z axis. So the craft feel, in this frame, only how J2 differs between two places: over
-an orbit at 350 km Hill's equations miss the 2x1 km ellipse by up to 0.1 km. Against a chief that
-stayed on the circular orbit, all craft together would fall away by 20 to 150 km
-(docs/formation.md).
+an orbit at 350 km Hill's equations miss the 2x1 km ellipse by 10 to 93 m, whatever inclination and
+start. Against a chief that stayed on the circular orbit, all craft together would fall away by 9 to
+154 km (docs/formation.md).
 
 Integrator: symmetric composition of drift, kick and drift, order 8. It is symplectic, and keeps the
 angular momentum about the axis of the Earth. It integrates differences to the chief, for which the
