@@ -87,7 +87,7 @@ def _check_formation(
     checked: Checked, plant: Any, governor: Any, samples: int, governed: bool
 ) -> None:
     margin = governor.separation_margin if governed else 0.0
-    checks = governor.separation_checks if governed else 1
+    checks = governor.prediction_substeps if governed else 1
     found = desired(plant, governor.phase, samples, checks)
     if found.distance >= (plant.min_separation + margin) * (1.0 - _ROUNDING):
         return

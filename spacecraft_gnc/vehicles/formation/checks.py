@@ -177,13 +177,11 @@ def _check_loss(checked: Checked, craft: list[Any]) -> None:
         checked.complain(_PLANT, "spacecraft_lost", shown(lost), need,
                          suggestion(str(lost), names))  # fmt: skip
     _check_time_of_loss(checked, at)
-    blind = checked.get(_GOVERNOR, "governor") == "none"
-    if blind or checked.get(_GOVERNOR, "finds_losses") is False:
-        why = f"{'governor: none' if blind else 'finds_losses: false'} does not notice it"
+    if checked.get(_GOVERNOR, "governor") == "none":
         checked.warn(
             _PLANT, "spacecraft_lost",
-            f"received {lost!r}, but {why}; required a governor that finds losses; choose it, "
-            "unless the loss is flown on purpose",
+            f"received {lost!r}, but governor: none does not notice it; required a governor that "
+            "does; choose it, unless the loss is flown on purpose",
         )  # fmt: skip
 
 

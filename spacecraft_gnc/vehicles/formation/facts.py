@@ -106,5 +106,3 @@ def _margins(scenario: Scenario) -> Iterator[str]:
         yield f"margins {', '.join(kept)}"
     if g.resolves_deadlocks:
         yield "resolves deadlocks"
-    if g.finds_losses:
-        yield "finds losses"

@@ -225,8 +225,6 @@ def test_warnings_of_what_may_be_flown_on_purpose() -> None:
     lost = {"spacecraft_lost": "sc2", "spacecraft_lost_at": 1000.0}
     assert not warnings()
     assert not warnings(**lost)
-    (told,) = warnings(**lost, governor_finds_losses=False)
-    assert "finds_losses: false does not notice it" in told
     (told,) = warnings(**lost, governor_governor="none")
     assert "governor: none does not notice it" in told
     (told,) = warnings(motion="two_body_j2")
