@@ -17,7 +17,7 @@ from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused, 
 from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan, node_options
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
 from spacecraft_gnc.launcher.progress import Display
-from spacecraft_gnc.signals.members import agent_of, role_of
+from spacecraft_gnc.signals.members import role_of, space_of
 
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
     from spacecraft_gnc.ros.supervisor import Supervisor
@@ -130,8 +130,8 @@ class Launcher:
         bag = self._bags[-1] if self._bags else self.plan.bag
         for option in node_options(autostart, bag.resolve()):
             arguments += ["-p", option]
-        if agent_of(name):
-            arguments += ["-r", f"__ns:=/{agent_of(name)}"]
+        if space_of(name):
+            arguments += ["-r", f"__ns:=/{space_of(name)}"]
         log = self.plan.logs / f"{name.replace('/', '.')}.log"
         self._processes[name] = NodeProcess(name, arguments, self._environment, log)
 

@@ -81,6 +81,10 @@ class Stretch(Protocol):
 class Plant(Protocol[S_co, U_contra]):
     """A simulated vehicle, advanced one control step at a time.
 
+    A vehicle of several craft (`vehicles.vehicle.Vehicle.craft`) has them all in one plant: its
+    control, its idle control and the sources hold a row, or an element, for each craft in their
+    order.
+
     A class may also have ``stretch(controller, governor, most)``: the `Stretch` that flies up to
     ``most`` steps of that loop at once, with the numbers of single steps; None where nothing does,
     as where the governor's decision depends on the state.
@@ -106,10 +110,11 @@ class Plant(Protocol[S_co, U_contra]):
     def idle_control(self) -> Any:
         """Control where no command came."""
 
-    def outputs(self, applied: tuple[Any, Source]) -> Sequence[tuple[Signal, Any]]:
+    def outputs(self, applied: tuple[Any, Any]) -> Sequence[tuple[Signal, Any]]:
         """Return what a node publishes at the start of the current step, the state first.
 
-        ``applied``: control and its source over the step that ended now.
+        ``applied``: control and its source over the step that ended now; of several craft, their
+        controls stacked (n, ...), and a tuple of n sources.
         """
 
     def warm_up(self) -> None:
@@ -120,7 +125,12 @@ class Plant(Protocol[S_co, U_contra]):
 
 
 class Controller(Protocol[S_contra, R_contra]):
-    """A control law: state and reference in, command out; it never raises in flight."""
+    """A control law: state and reference in, command out; it never raises in flight.
+
+    That of a vehicle of several craft commands all of them, a row of ``control`` for each, and has
+    an attribute ``craft``: the controllers (tuple) of the single craft in their order. The node of
+    a craft hosts one of these, whose ``control`` is that row.
+    """
 
     period: float
     """Control period [s]."""

@@ -62,9 +62,12 @@ class NodeWithEnds(LifecycleNode):
         """Topics that still lack a counterpart."""
         return () if self._readiness is None else self._readiness.missing()
 
-    def advertise(self, signal: Signal, agent: str | None = None) -> Publisher:
-        """Publish a signal, of this node's agent or another; the endpoint lives until clean-up."""
-        place = self.place if agent is None else self.place.of_agent(agent)
+    def advertise(self, signal: Signal, space: str | None = None) -> Publisher:
+        """Publish a signal, where this node stands or in the namespace of another agent or craft.
+
+        The endpoint lives until clean-up.
+        """
+        place = self.place if space is None else self.place.of_space(space)
         publisher = self.create_publisher(
             message_type(signal.type),
             place.topic(signal),
@@ -73,7 +76,7 @@ class NodeWithEnds(LifecycleNode):
         )
         self.on_close(self.destroy_publisher, publisher)
         self._open_publishers.append(publisher)
-        count = self.members.subscribers(signal, place.agent)
+        count = self.members.subscribers(signal, place.space(signal))
         self._expect(place, signal, count, publisher.get_subscription_count)
         return publisher
 
@@ -81,16 +84,16 @@ class NodeWithEnds(LifecycleNode):
         self,
         signal: Signal,
         callback: Callable[..., None],
-        agent: str | None = None,
+        space: str | None = None,
         *,
         qos: QosProfile | None = None,
         watch: SequenceWatch | None = None,
     ) -> Subscription:
-        """Receive the serialized messages of a signal: ``callback(data)``.
+        """Receive the serialized messages of a signal: ``callback(data)``; where, as `advertise`.
 
         With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``.
         """
-        place = self.place if agent is None else self.place.of_agent(agent)
+        place = self.place if space is None else self.place.of_space(space)
         subscription = self.subscribe(
             place.topic(signal),
             message_type(signal.type),
@@ -98,7 +101,7 @@ class NodeWithEnds(LifecycleNode):
             callback,
             watch,
         )
-        count = self.members.publishers(signal, place.agent)
+        count = self.members.publishers(signal, place.space(signal))
         self._expect(place, signal, count, subscription.get_publisher_count)
         return subscription
 

@@ -14,7 +14,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._ends import NodeWithEnds
 from spacecraft_gnc.ros.graph_of import members_of
-from spacecraft_gnc.ros.parameters import agent_of_node, load_graph
+from spacecraft_gnc.ros.parameters import agent_of_namespace, load_graph
 from spacecraft_gnc.scenario import Fleet, Scenario
 from spacecraft_gnc.signals.graph import DIAGNOSTICS, READY, RECORDER
 from spacecraft_gnc.signals.message import Stamp
@@ -127,7 +127,7 @@ class GncNode(NodeWithEnds):
 
     def _build_and_open(self) -> None:
         self.fleet = load_graph(self, self.ROLE)
-        self.scenario = self.fleet.agents[agent_of_node(self, self.fleet)]
+        self.scenario = self.fleet.agents[agent_of_namespace(self.get_namespace(), self.fleet)]
         self.refused = 0
         self.members = members_of(self.fleet)
         self.place = self.members.place(self.get_namespace(), self.ROLE)

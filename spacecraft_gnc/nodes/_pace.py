@@ -1,7 +1,8 @@
 """When the plant steps: in lockstep with the controllers, or on wall time.
 
 Both paces decide from numbers handed in (steps, commands, wall time), touch neither ROS nor a
-clock, and are therefore tested without either. A step waits for the command of each agent.
+clock, and are therefore tested without either. A step waits for the command of each agent, or of
+each of its craft where it has several.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ _RESEND_PERIOD = 0.25  # [s] wall: rclpy follows /clock best effort, so a tick c
 
 
 class Applied(NamedTuple):
-    """What acts on one agent over a step."""
+    """What acts on one agent, or one of its craft, over a step."""
 
     control: Any
-    source: Source
+    source: Any
+    """A `Source`; where this is of several craft together, a tuple with that of each."""
 
 
 class Vehicles(Protocol):
@@ -34,8 +36,8 @@ class Vehicles(Protocol):
     def begin(self) -> None:
         """Publish the initial states."""
 
-    def idle(self, agent: str) -> Any:
-        """Return the control of an agent without a command."""
+    def idle(self, space: str) -> Any:
+        """Return the control of an agent, or of a craft, without a command."""
 
     def advance(self, applied: Mapping[str, Applied]) -> None:
         """Apply controls over one control period and publish the new states."""

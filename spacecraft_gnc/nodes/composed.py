@@ -13,12 +13,11 @@ from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.recorder import RecorderNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
-from spacecraft_gnc.ros.parameters import command_line
+from spacecraft_gnc.ros.parameters import command_line, controllers_in
 from spacecraft_gnc.scenario.node_sections import agents_in
-from spacecraft_gnc.signals.members import Place, agent_of, role_of
+from spacecraft_gnc.signals.members import Place, role_of, space_of
 
 _START_ORDER = (RecorderNode, GovernorNode, ControllerNode, PlantNode)
-_OF_EACH_AGENT = (GovernorNode, ControllerNode)
 
 
 def main() -> int:
@@ -33,7 +32,7 @@ def main() -> int:
         report(error)
         return error.exit_code
     nodes = [
-        partial(kind, f"/{agent_of(name)}" if agent_of(name) else None)
+        partial(kind, f"/{space_of(name)}" if space_of(name) else None)
         for kind in _START_ORDER
         for name in names
         if role_of(name) == kind.ROLE
@@ -44,10 +43,10 @@ def main() -> int:
 
 def _all_nodes() -> list[str]:
     """Return the nodes that the parameter files are for."""
-    agents = agents_in(command_line(sys.argv)) or ("",)
-    places = [Place("", agent) for agent in agents]
-    of_each = [place.within_graph(kind.ROLE) for place in places for kind in _OF_EACH_AGENT]
-    return [RecorderNode.ROLE, *of_each, PlantNode.ROLE]
+    sections = command_line(sys.argv)
+    places = [Place("", agent) for agent in agents_in(sections) or ("",)]
+    governors = [place.within_graph(GovernorNode.ROLE) for place in places]
+    return [RecorderNode.ROLE, *governors, *controllers_in(sections), PlantNode.ROLE]
 
 
 if __name__ == "__main__":

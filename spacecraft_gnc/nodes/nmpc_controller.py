@@ -50,7 +50,7 @@ class ControllerNode(GncNode):
 
     def build(self, scenario: Scenario) -> None:
         """Build the controller and load its kernels."""
-        self._controller = scenario.build_controller()
+        self._controller = self._own(scenario.build_controller())
         pace_core(self._controller, scenario)
         self._controller.warm_up()
         self._worker: Worker[_Job, Command] | None = None
@@ -103,6 +103,13 @@ class ControllerNode(GncNode):
             text = f"{self._skipped} steps passed over without an answer"
             self.diagnose(DiagnosticStatus.WARN, text, {"skipped_steps": self._skipped})
 
+    def _own(self, controller: Any) -> Any:
+        """Return the controller of this node's craft; of a vehicle that is one craft, itself."""
+        place = self.place
+        if not place.craft:
+            return controller
+        return controller.craft[self.fleet.craft_of(place.agent).index(place.craft)]
+
     # What arrives.
 
     def _on_state(self, data: bytes) -> None:
@@ -114,11 +121,12 @@ class ControllerNode(GncNode):
         state = self._seams.state
         try:
             message = state.decode(data, self._step)
+            value = state.value(message)
         except Refused as error:
             self.refuse(state, str(error))
             return
         joining = self._state is None
-        self._stamp, self._step, self._state = message.stamp, message.step, state.value(message)
+        self._stamp, self._step, self._state = message.stamp, message.step, value
         self._state_bytes = data
         self._arrival = time.perf_counter()
         self._unheard = joining and self.is_unheard(self._step)
@@ -130,10 +138,11 @@ class ControllerNode(GncNode):
         reference = self._seams.reference
         try:
             message = reference.decode(data, self._reference_step)
+            value = reference.value(message)
         except Refused as error:
             self.refuse(reference, str(error))
             return
-        self._reference_step, self._reference = message.step, reference.value(message)
+        self._reference_step, self._reference = message.step, value
         self._answer_if_due()
 
     def _on_tick(self) -> None:

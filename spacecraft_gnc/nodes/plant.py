@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar
 
+import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import GncError
@@ -36,10 +37,23 @@ _WAITING_PERIOD = 5.0  # [s] wall time between two complaints before step 0
 
 
 class _Agent:
-    """One vehicle, and its ends in the graph."""
+    """One vehicle, and its ends in the graph.
 
-    def __init__(self, name: str, scenario: Scenario) -> None:
+    Parameters
+    ----------
+    name
+        Its namespace in the graph.
+    scenario
+        What flies.
+    craft
+        Namespaces of its craft; empty: it is one.
+    """
+
+    def __init__(self, name: str, scenario: Scenario, craft: Sequence[str]) -> None:
         self.name = name
+        self.craft = tuple(craft)
+        self.commanded = self.craft or (name,)
+        """Namespaces of which a command is awaited."""
         self.signals = vehicle_signals(scenario.vehicle)
         self.seams = Seams.among(self.signals)
         self.core = scenario.build_plant()
@@ -50,8 +64,27 @@ class _Agent:
     def reset(self) -> None:
         """Return to the initial state."""
         self.core.reset()
-        self.applied = Applied(self.core.idle_control, Source.ZERO)
-        self.last_command = self.state = b""
+        idle = [Applied(self.idle(space), Source.ZERO) for space in self.commanded]
+        self.applied = self._together(idle)
+        self.last_commands = dict.fromkeys(self.commanded, b"")
+        self.state = b""
+
+    def idle(self, space: str) -> Any:
+        """Return the control without a command of the vehicle, or of one of its craft."""
+        idle = self.core.idle_control
+        return idle[self.craft.index(space)] if self.craft else idle
+
+    def step(self, applied: Mapping[str, Applied]) -> None:
+        """Fly one control period under what acts on each craft."""
+        self.applied = self._together([applied[space] for space in self.commanded])
+        self.core.step(self.applied.control)
+
+    def _together(self, applied: Sequence[Applied]) -> Applied:
+        """Return what acts on all craft as the plant takes it (`loop.protocols.Plant`)."""
+        if not self.craft:
+            return applied[0]
+        controls, sources = zip(*applied, strict=True)
+        return Applied(np.stack(controls), sources)
 
     def open(self, node: GncNode) -> None:
         """Advertise what the plant publishes of this vehicle."""
@@ -86,7 +119,13 @@ class PlantNode(GncNode):
         self.on_close(lock.release)
         for text in self.fleet.warnings:
             self.get_logger().warning(text)
-        self._agents = {name: _Agent(name, one) for name, one in self.fleet.agents.items()}
+        self._agents = {
+            name: _Agent(name, one, self.fleet.craft_of(name))
+            for name, one in self.fleet.agents.items()
+        }
+        self._commanded = {
+            space: agent for agent in self._agents.values() for space in agent.commanded
+        }
         first = next(iter(self._agents.values())).core
         self.n_steps, self._period = first.n_steps, first.period
         self._period_ns = period_ns(self._period)
@@ -101,7 +140,8 @@ class PlantNode(GncNode):
         """Create the endpoints."""
         for agent in self._agents.values():
             agent.open(self)
-            self.listen(agent.seams.control, partial(self._on_command, agent), agent.name)
+        for space, agent in self._commanded.items():
+            self.listen(agent.seams.control, partial(self._on_command, agent, space), space)
         self._publish_clock = self.advertise(CLOCK).publish
         self._publish_timing = self.advertise(WALL_TIMING).publish
         self.listen(READY, self._on_ready)
@@ -121,9 +161,9 @@ class PlantNode(GncNode):
         p = self.scenario.plant
         window = RECORDER_WINDOW if RECORDER in self.members.names else 0
         self._pace = (
-            FreeRun(self, self._agents, self._period / p.real_time_factor, p.max_held_steps)
+            FreeRun(self, self._commanded, self._period / p.real_time_factor, p.max_held_steps)
             if self._free_run
-            else Lockstep(self, self._agents, p.command_timeout, window)
+            else Lockstep(self, self._commanded, p.command_timeout, window)
         )
         self._begin_if_ready()
 
@@ -155,20 +195,20 @@ class PlantNode(GncNode):
                 f"for matches of topics: {list(self.missing()) or 'none'}"
             )
 
-    def _on_command(self, agent: _Agent, data: bytes) -> None:
-        if not self.active or data == agent.last_command:
+    def _on_command(self, agent: _Agent, space: str, data: bytes) -> None:
+        if not self.active or data == agent.last_commands[space]:
             return  # a repeated answer to a repeated state
         control = agent.seams.control
         try:
             message = control.decode(data)
             applied = Applied(*control.value(message))
-            refusal = self._pace.command(agent.name, message.step, applied, time.perf_counter())
+            refusal = self._pace.command(space, message.step, applied, time.perf_counter())
         except Refused as error:
             refusal = str(error)
         if refusal is None:
-            agent.last_command = data
+            agent.last_commands[space] = data
         else:
-            self.refuse(self.place.of_agent(agent.name).within_graph(control), refusal)
+            self.refuse(self.place.of_space(space).within_graph(control), refusal)
 
     def _on_recorded(self, data: bytes) -> None:
         if self.active:
@@ -188,16 +228,15 @@ class PlantNode(GncNode):
         """Publish the initial states."""
         self._publish()
 
-    def idle(self, agent: str) -> Any:
-        """Return the control of an agent without a command."""
-        return self._agents[agent].core.idle_control
+    def idle(self, space: str) -> Any:
+        """Return the control of an agent, or of a craft, without a command."""
+        return self._commanded[space].idle(space)
 
     def advance(self, applied: Mapping[str, Applied]) -> None:
         """Apply controls over one control period and publish the new states."""
         try:
-            for name, agent in self._agents.items():
-                agent.applied = applied[name]
-                agent.core.step(agent.applied.control)
+            for agent in self._agents.values():
+                agent.step(applied)
         except GncError as error:
             self.fail(error)
             return

@@ -84,9 +84,9 @@ class RecorderNode(GncNode):
         wanted = self.scenario.recorder.topics
         agent, one = next(iter(self.fleet.agents.items()))
         self._leading = agent, Seams.among(vehicle_signals(one.vehicle)).state
-        for agent, signal in signals_of(self.fleet):
-            if is_recorded_of(signal, agent, wanted):
-                self._record(agent, signal)
+        for space, signal in signals_of(self.fleet):
+            if is_recorded_of(signal, space, wanted):
+                self._record(space, signal)
         self._foreign = ForeignTopics(self, foreign_topics(self.fleet), self._on_foreign)
         self.listen(READY, _acknowledge)
         self._publish_recorded = self.advertise(RECORDED).publish
@@ -140,16 +140,16 @@ class RecorderNode(GncNode):
             names = ", ".join(self._foreign.waiting)
             self.get_logger().error(f"nobody published on {names}: nothing of it is in the bag")
 
-    def _record(self, agent: str, signal: Signal) -> None:
-        """Announce a signal of an agent, and write what comes."""
-        name = self.place.of_agent(agent).topic(signal)
+    def _record(self, space: str, signal: Signal) -> None:
+        """Announce a signal of an agent or a craft, and write what comes."""
+        name = self.place.of_space(space).topic(signal)
         free_run = self.scenario.plant.mode == "free_run"
         # In free_run a late answer is no loss.
         gapless = signal.every_step and (not free_run or PLANT in signal.publishers)
         announce(self._bag, name, signal.type, [signal.qos], gapless=gapless)
-        record, watch = self._counted(name, self._writer_of_graph(agent, signal, name))
+        record, watch = self._counted(name, self._writer_of_graph(space, signal, name))
         qos = signal.qos if signal.is_latched else RECORD
-        self.listen(signal, record, agent, qos=qos, watch=watch)
+        self.listen(signal, record, space, qos=qos, watch=watch)
 
     # The hot path: once for every message.
 
@@ -170,10 +170,10 @@ class RecorderNode(GncNode):
 
         return record, watch
 
-    def _writer_of_graph(self, agent: str, signal: Signal, name: str) -> Record:
+    def _writer_of_graph(self, space: str, signal: Signal, name: str) -> Record:
         """Return what writes a topic of the graph, whose times are simulated."""
         write, is_stamped, is_latched = self._bag.write, signal.is_stamped, signal.is_latched
-        leads = (agent, signal) == self._leading
+        leads = (space, signal) == self._leading
         last = b""
 
         def record(data: bytes, info: Mapping[str, Any]) -> None:

@@ -140,12 +140,13 @@ class GovernorNode(GncNode):
         joining, state = self._received_step == _NEVER, self._seams.state
         try:
             message = state.decode(data, self._received_step)
+            received = _Received(message, state.value(message))
         except Refused as error:
             self.refuse(state, str(error))
             return
         self._received_step = message.step
         self._state_bytes, self._reference_bytes = data, b""
-        self._waiting = _Received(message, state.value(message))
+        self._waiting = received
         self._unheard = joining and self.is_unheard(self._received_step)
         self._decide_next()
 

@@ -16,7 +16,7 @@ from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 def members_of(fleet: Fleet) -> Members:
     """Return the nodes of the graph."""
-    return Members((PLANT, *fleet.peers), fleet.recorder.topics)
+    return Members((PLANT, *fleet.peers), fleet.recorder.topics, fleet.craft)
 
 
 def vehicle_signals(vehicle: Vehicle | None = None) -> tuple[Signal, ...]:
@@ -27,9 +27,16 @@ def vehicle_signals(vehicle: Vehicle | None = None) -> tuple[Signal, ...]:
 
 
 def signals_of(fleet: Fleet) -> list[tuple[str, Signal]]:
-    """Return (agent, signal) of every vehicle, and the signals of the graph."""
-    agents = fleet.agents.items()
-    own = [(agent, signal) for agent, one in agents for signal in vehicle_signals(one.vehicle)]
+    """Return (agent, signal) of every vehicle, and the signals of the graph.
+
+    A signal of each craft comes once for each, with its namespace in place of the agent's.
+    """
+    own = [
+        (space, signal)
+        for agent, one in fleet.agents.items()
+        for signal in vehicle_signals(one.vehicle)
+        for space in (fleet.craft_of(agent) if signal.of_craft else ()) or (agent,)
+    ]
     return [*own, *(("", signal) for signal in graph.SIGNALS)]
 
 

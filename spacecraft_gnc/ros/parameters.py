@@ -17,6 +17,7 @@ from spacecraft_gnc.parameters.checked import plain_values
 from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, Value
 from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.scenario import Fleet, InvalidScenario, Problem, Scenario, from_sections
+from spacecraft_gnc.scenario.craft import craft_names, craft_of, no_craft, require_one_law
 from spacecraft_gnc.scenario.fleet import gather, incomplete
 from spacecraft_gnc.scenario.node_sections import (
     OPTION,
@@ -25,6 +26,9 @@ from spacecraft_gnc.scenario.node_sections import (
     agent_nodes,
     agents_in,
     given_to,
+    has_craft,
+    has_plant,
+    hosts_of,
     matches,
     node_names,
 )
@@ -68,7 +72,8 @@ def load_graph(node: Node, section: str) -> Fleet:
 
     The command line tells what ROS 2 gives this node and the others of the graph, so that one file
     describes all of it. A controller or governor stands beside those of other agents where its
-    namespace is that of an agent, plant and recorder where they stand in the root.
+    namespace is that of an agent, plant and recorder where they stand in the root. A vehicle of
+    several craft has no controller in its own namespace, but one in that of each craft.
 
     Raises
     ------
@@ -76,25 +81,77 @@ def load_graph(node: Node, section: str) -> Fleet:
         With every problem at once.
     """
     sections = command_line(sys.argv)
-    files = list(parameter_files(sys.argv))
-    source = str(files[0]) if files else node.get_name()
-    nodes = _nodes_of_agents(sections, node.get_namespace(), section)
+    fleet = _find_graph(node, section, sections)
+    _declare(node, section, fleet)
+    return fleet
+
+
+def _find_graph(node: Node, section: str, sections: Sections) -> Fleet:
+    namespace = node.get_namespace()
+    if section != CONTROLLER:
+        return _gather_at(node, section, sections, namespace)
+    above = {
+        home: _gather_at(node, section, sections, home) for home in hosts_of(sections, namespace)
+    }
+    for home, fleet in above.items():
+        if _has_craft_at(fleet, home, namespace):
+            return fleet
+    if not above or has_plant(sections, namespace):
+        above = {namespace: _gather_at(node, section, sections, namespace)}
+    home, fleet = next(iter(above.items()))
+    one = fleet.agents[agent_of_namespace(home, fleet)]
+    if craft_of(one):  # and none of them is here
+        raise InvalidScenario([no_craft(_source(node), f"{section}: __ns", namespace, home, one)])
+    return fleet
+
+
+def _gather_at(node: Node, section: str, sections: Sections, home: str) -> Fleet:
+    """Return the agents of the graph of which a namespace is that of one, or the only one."""
+    source = _source(node)
+    nodes = _nodes_of_agents(sections, home, section)
     if problems := list(incomplete(sections, source)) if "" not in nodes else []:
         raise InvalidScenario(problems)
-    fleet = gather(
+    return gather(
         {
             agent: partial(_read, node, section, sections, known, source)
             for agent, known in nodes.items()
         }
     )
-    _declare(node, section, fleet)
-    return fleet
 
 
-def agent_of_node(node: Node, fleet: Fleet) -> str:
-    """Return the agent that a node belongs to; the first one where it serves all."""
-    namespace = node.get_namespace().strip("/")
-    return namespace if namespace in fleet.agents else next(iter(fleet.agents))
+def _source(node: Node) -> str:
+    """Return what to blame for the parameters of a node."""
+    return next((str(file) for file in parameter_files(sys.argv)), node.get_name())
+
+
+def _has_craft_at(fleet: Fleet, home: str, namespace: str) -> bool:
+    """Tell whether a namespace is that of a craft; the only agent's stand in its home."""
+    root = home.rstrip("/") if "" in fleet.agents else ""
+    return namespace in {f"{root}/{craft}" for craft in fleet.craft}
+
+
+def controllers_in(sections: Sections) -> Iterator[str]:
+    """Yield the controllers that sections describe, relative to the root namespace.
+
+    Raises
+    ------
+    ScenarioError
+        If a vehicle of several craft is refused.
+    """
+    for agent in agents_in(sections) or ("",):
+        nodes = agent_nodes(agent) if agent else node_names()
+        spaces: tuple[str, ...] = (f"/{agent}",)
+        if has_craft(sections, nodes):
+            one = from_sections(plain_values(given_to(sections, nodes)))
+            spaces = craft_names(one, spaces[0])
+        yield from (f"{space}/{CONTROLLER}".strip("/") for space in spaces)
+
+
+def agent_of_namespace(namespace: str, fleet: Fleet) -> str:
+    """Return the agent of a node in a namespace; the first one where the node serves all."""
+    space = namespace.strip("/")
+    agent = fleet.craft.get(space, space)
+    return agent if agent in fleet.agents else next(iter(fleet.agents))
 
 
 def _nodes_of_agents(sections: Sections, namespace: str, section: str) -> dict[str, dict[str, str]]:
@@ -125,7 +182,9 @@ def _read(
             # ROS 2 has no empty list: it gives None; and it gives all of a wildcard to every node
             if value is not None and (name in own or name not in shared):
                 own[name] = value
-    return from_sections(values, source)
+    scenario = from_sections(values, source)
+    require_one_law(scenario, sections, known)
+    return scenario
 
 
 def _names_in_files(sections: Sections, node: str) -> set[str]:
@@ -156,7 +215,7 @@ def _declare(node: Node, section: str, fleet: Fleet) -> None:
     A plant of several agents has a value in which they differ once for each, ``sc1.inertia``, and
     tells who they are.
     """
-    own = agent_of_node(node, fleet)
+    own = agent_of_namespace(node.get_namespace(), fleet)
     if section == PLANT and "" not in fleet.agents and not node.has_parameter(AGENTS):
         about = ParameterDescriptor(description="agents that it simulates", read_only=True)
         node.declare_parameter(AGENTS, list(fleet.agents), about, True)

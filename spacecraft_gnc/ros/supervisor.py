@@ -24,7 +24,7 @@ from spacecraft_gnc.ros.endpoints import message_type
 from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.graph import CONTROLLER, PLANT, WALL_STATUS, WALL_TIMING
-from spacecraft_gnc.signals.members import Place, agent_of, role_of
+from spacecraft_gnc.signals.members import Place, role_of, space_of
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -98,12 +98,12 @@ class Supervisor:
         self.progress = Progress()
         self._status: dict[str, _Status] = {}
         self._listen(WALL_TIMING, "", self._on_timing)
-        for agent in dict.fromkeys(agent_of(n) for n in names if role_of(n) == CONTROLLER):
-            self._listen(WALL_STATUS, agent, partial(self._on_status, agent))
+        for space in dict.fromkeys(space_of(n) for n in names if role_of(n) == CONTROLLER):
+            self._listen(WALL_STATUS, space, partial(self._on_status, space))
 
-    def _listen(self, signal: Signal, agent: str, callback: Callable[[Any], None]) -> None:
+    def _listen(self, signal: Signal, space: str, callback: Callable[[Any], None]) -> None:
         kind, qos = message_type(signal.type), ros_qos(signal.qos)
-        self._node.create_subscription(kind, Place("", agent).topic(signal), callback, qos)
+        self._node.create_subscription(kind, Place("", space).topic(signal), callback, qos)
 
     def __enter__(self) -> Self:
         """Return the supervisor."""
@@ -144,12 +144,12 @@ class Supervisor:
         progress.latency = message.wall_latency
         progress.missed_deadlines = message.missed_deadlines
 
-    def _on_status(self, agent: str, message: Any) -> None:
+    def _on_status(self, space: str, message: Any) -> None:
         """Show the controller that is furthest from where it is to go."""
         values = {entry.key: entry.value for entry in message.status[0].values}
         names = ("distance", "attitude_error", "wall_solve_time")
         told = (float(values.get(name, math.nan)) for name in names)
-        self._status[agent] = _Status(int(values.get("step", -1)), *told)
+        self._status[space] = _Status(int(values.get("step", -1)), *told)
         shown, progress = max(self._status.values(), key=_farness), self.progress
         progress.status_step, progress.solve_time = shown.step, shown.solve_time
         progress.distance, progress.attitude_error = shown.distance, shown.error

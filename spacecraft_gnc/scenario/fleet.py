@@ -13,8 +13,16 @@ from spacecraft_gnc.arguments import require_path
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, shown, suggestion
 from spacecraft_gnc.parameters.sections import LauncherParameters, RecorderParameters
 from spacecraft_gnc.parameters.yaml_file import Sections, read
+from spacecraft_gnc.scenario.craft import craft_names, craft_of
 from spacecraft_gnc.scenario.load import load_nodes, load_one
-from spacecraft_gnc.scenario.node_sections import agent_nodes, agents_in, matches, unread
+from spacecraft_gnc.scenario.node_sections import (
+    add_craft,
+    agent_nodes,
+    agents_in,
+    has_craft,
+    matches,
+    unread,
+)
 from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.scenario import STATED, Scenario, sections_to_yaml
 from spacecraft_gnc.scenario.schema import OF_AGENT, OF_GRAPH, ROLES
@@ -97,14 +105,27 @@ class Fleet:
         return self.leading.n_steps
 
     @property
+    def craft(self) -> dict[str, str]:
+        """Agent of each craft, by its namespace without the first slash, in the vehicle's order.
+
+        An agent that is one craft, in its own namespace, is not among them.
+        """
+        agents = self.agents.items()
+        return {name.strip("/"): agent for agent, one in agents for name in craft_names(one, agent)}
+
+    def craft_of(self, agent: str) -> tuple[str, ...]:
+        """Return the craft of an agent, likewise."""
+        return tuple(name for name, host in self.craft.items() if host == agent)
+
+    @property
     def nodes(self) -> tuple[str, ...]:
         """Nodes to start, named relative to the graph: ``plant``, ``sc1/nmpc_controller``."""
-        return self._expanded(self.launcher.nodes)
+        return self.expanded(self.launcher.nodes)
 
     @property
     def peers(self) -> tuple[str, ...]:
         """Nodes that the plant waits for before step 0, likewise."""
-        return self._expanded(self.plant.peers)
+        return self.expanded(self.plant.peers)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -126,32 +147,39 @@ class Fleet:
 
     def to_yaml(self, defaults: bool = False) -> str:
         """Return a ROS 2 parameter file that loads as this fleet (`Scenario.to_yaml`)."""
-        if "" in self.agents:
-            return self.leading.to_yaml(defaults)
         return sections_to_yaml(dict(self._named_sections(lambda one: one.nested(defaults))))
 
     def stated_defaults(self) -> str:
         """Return, likewise, the defaults that formulas gave (`Scenario.stated_defaults`)."""
-        if "" in self.agents:
-            return self.leading.stated_defaults()
         return STATED + sections_to_yaml(dict(self._named_sections(Scenario.nested_defaults)))
 
     def _named_sections(
         self, read: Callable[[Scenario], Mapping[str, Mapping[str, Any]]]
     ) -> Iterator[tuple[str, Mapping[str, Any]]]:
         for agent, one in self.agents.items():
-            yield from ((f"/{agent}/{s}", v) for s, v in read(one).items() if s in OF_AGENT)
-        yield from ((s, v) for s, v in read(self.leading).items() if s in OF_GRAPH)
+            for section, values in read(one).items():
+                if not agent or section in OF_AGENT:
+                    yield _section(agent, section, one), values
+        if "" not in self.agents:
+            yield from ((s, v) for s, v in read(self.leading).items() if s in OF_GRAPH)
 
-    def _expanded(self, names: Iterable[str]) -> tuple[str, ...]:
-        """Return names of nodes, a controller or governor for each agent it is not told of."""
+    def expanded(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return names of nodes relative to the graph.
+
+        A governor without an agent stands for that of each; a controller likewise, and where an
+        agent has several craft for that of each craft.
+        """
         found: dict[str, None] = {}
         for name in names:
-            of_all = name in OF_AGENT and name != _PLANT
-            found |= dict.fromkeys(
-                f"{agent}/{name}" if of_all and agent else name.strip("/") for agent in self.agents
-            )
+            spaces = self._spaces(name) if name in OF_AGENT and name != _PLANT else [""]
+            found |= dict.fromkeys(f"{space}/{name}".strip("/") for space in spaces)
         return tuple(found)
+
+    def _spaces(self, role: str) -> Iterator[str]:
+        """Yield the namespaces of the nodes of a role."""
+        for agent in self.agents:
+            craft = self.craft_of(agent) if role == _CONTROLLER else ()
+            yield from craft or (agent,)
 
     def _for_each(self, make: Callable[[Scenario], _Made]) -> dict[str, _Made]:
         return _gathered({agent: partial(make, one) for agent, one in self.agents.items()}, [])
@@ -165,7 +193,8 @@ class Fleet:
                 yield Problem(self.path, None, f"/{agent}/{key}", theirs, need, remedy)
 
     def _unknown_nodes(self) -> Iterator[Problem]:
-        known = [*ROLES[:-1], *(f"{a}/{r}" for a in self.agents for r in OF_AGENT[1:] if a)]
+        own = [f"{space}/{role}" for role in OF_AGENT[1:] for space in self._spaces(role) if space]
+        known = [*ROLES[:-1], *own]
         for name in self.launcher.nodes:
             if name not in known:
                 need = f"one of {', '.join(known)}"
@@ -196,14 +225,15 @@ def load_fleet(path: str | Path, overrides: Overrides = (), namespace: str | Non
     agents = agents_in(sections)
     if namespace is not None or not agents:
         return Fleet({"": load_one(sections, file, problems, overrides, namespace)})
-    laid_over = apply(overrides, problems, agents)
+    hosts = [agent for agent in agents if has_craft(sections, agent_nodes(agent))]
+    laid_over = apply(overrides, problems, agents, hosts)
     problems += incomplete(sections, file)
     makers = {
         agent: partial(load_nodes, sections, agent_nodes(agent), file, [], laid_over[agent])
         for agent in agents
         if not any(problem.key == f"/{agent}" for problem in problems)
     }
-    known = {name: role for agent in agents for name, role in agent_nodes(agent).items()}
+    known = {name: role for agent in agents for name, role in _nodes_of(sections, agent).items()}
     names = ", ".join(unread(sections, known))
     warnings = (f"{file}: {names}: not read, no node of the graph matches",) if names else ()
     return Fleet(_gathered(makers, problems), warnings)
@@ -223,12 +253,28 @@ def gather(makers: Mapping[str, Callable[[], Scenario]]) -> Fleet:
 def incomplete(sections: Sections, file: str) -> Iterator[Problem]:
     """Yield the problems of agents that lack a section of their own."""
     for agent in agents_in(sections):
+        nodes = _nodes_of(sections, agent)
         for role, name in ((_PLANT, "plant"), (_CONTROLLER, "controller")):
             section = f"/{agent}/{role}"
-            if not any(matches(pattern, section) for pattern in sections):
+            own = [node for node in nodes if nodes[node] == role and node != f"/{_PLANT}"]
+            if not any(matches(pattern, node) for pattern in sections for node in own):
                 what, need = f"an agent without a {name}", f"a section {section}"
                 remedy = "add it, or correct the namespace of the agent's other sections"
                 yield Problem(file, None, f"/{agent}", what, need, remedy)
+
+
+def _nodes_of(sections: Sections, agent: str) -> dict[str, str]:
+    """Return the nodes of an agent, the controllers of its craft among them."""
+    nodes = agent_nodes(agent)
+    return add_craft(sections, nodes) if has_craft(sections, nodes) else nodes
+
+
+def _section(agent: str, role: str, scenario: Scenario) -> str:
+    """Return the name of a section; that of a controller holds for each craft."""
+    place = f"/{agent}" if agent else ""
+    if role == _CONTROLLER and craft_of(scenario):
+        return f"{place}/**/{role}"
+    return f"{place}/{role}" if place else role
 
 
 def _shared_values(first: Scenario, other: Scenario) -> Iterator[tuple[str, str, str]]:

@@ -15,10 +15,14 @@ from spacecraft_gnc.parameters.values import plain
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, read
 from spacecraft_gnc.scenario.checks import check_all
 from spacecraft_gnc.scenario.checks_reads import unread_by
+from spacecraft_gnc.scenario.craft import craft_names, no_craft, require_one_law, take_craft
 from spacecraft_gnc.scenario.defaults import Stated, fill_in
 from spacecraft_gnc.scenario.node_sections import (
     add_file,
     given_to,
+    has_craft,
+    has_plant,
+    hosts_of,
     namespace_of,
     nodes_in,
     nodes_of_one,
@@ -63,9 +67,34 @@ def load_one(
     overrides: Overrides = (),
     namespace: str | None = None,
 ) -> Scenario:
-    """Check what a file says of one vehicle, as `load`; ``problems``: those of reading it."""
+    """Check what a file says of one vehicle, as `load`; ``problems``: those of reading it.
+
+    The namespace of one of a vehicle's craft means the vehicle.
+    """
+    wanted = f"/{(namespace or '').strip('/')}"
+    hosts = [
+        (host, _load_at(sections, file, list(problems), overrides, host))
+        for host in hosts_of(sections, wanted)
+    ]
+    found = next((one for host, one in hosts if wanted in craft_names(one, host)), None)
+    if found is not None:
+        return found
+    if hosts and not has_plant(sections, wanted):
+        raise InvalidScenario([no_craft(file, "--namespace", wanted, *hosts[0])])
+    return _load_at(sections, file, problems, overrides, namespace)
+
+
+def _load_at(
+    sections: Sections,
+    file: str,
+    problems: list[Problem],
+    overrides: Overrides,
+    namespace: str | None,
+) -> Scenario:
+    """Check what a file says of the vehicle in a namespace; None: of the only one."""
     nodes, agent, warnings = nodes_of_one(sections, file, namespace)
-    laid_over = apply(overrides, problems, [agent])[agent]
+    hosts = [agent] if has_craft(sections, nodes) else []
+    laid_over = apply(overrides, problems, [agent], hosts)[agent]
     return load_nodes(sections, nodes, file, problems, laid_over, warnings)
 
 
@@ -84,9 +113,13 @@ def load_nodes(
         vehicle = vehicle_given(plant, file)
     given = given_to(sections, nodes, problems, vehicle)
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
+    of_all = dict(laid_over.get(_CONTROLLER, {}))
+    of_craft = take_craft(laid_over)
     lay_over(given, _found_from_here(vehicle, laid_over))
     warnings = [*warnings, *_leave_out_unread(vehicle, given, file)]
-    return _scenario(vehicle, given, file, problems, warnings)
+    scenario = _scenario(vehicle, given, file, problems, warnings)
+    require_one_law(scenario, sections, nodes, of_craft, of_all)
+    return scenario
 
 
 def read_sections(
@@ -185,7 +218,7 @@ def revise(
     """
     given = _given_along_a_flight(require_kind("scenario", scenario, Scenario))
     problems: list[Problem] = []
-    laid_over = {_CONTROLLER: {}, **apply(overrides, problems)[""]}
+    laid_over = {_CONTROLLER: {}, **apply(overrides, problems)[""]}  # of a craft alone: none
     if method is not None:
         laid_over[_CONTROLLER]["method"] = Entry(plain(method), "--method", coerce=True)
     chosen = laid_over[_CONTROLLER].get("method")

@@ -13,7 +13,7 @@ Source: rclpy 7.1 ``Node.get_parameters``, rcl ``arguments.c``; docs/scenario.md
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -37,6 +37,8 @@ ROOT: Final = "/"
 OPTION: Final = "-p"
 """What an `Entry` has as its file where the value comes from the command line of a node."""
 _EVERY_NODE: Final = "/**"
+_ANY_CRAFT: Final = "any_craft"
+"""Stands for a craft of any name: a wildcard that gives to each craft gives to it."""
 
 
 def node_names(namespace: str = ROOT) -> dict[str, str]:
@@ -63,13 +65,11 @@ def agents_in(sections: Sections) -> tuple[str, ...]:
     """Return the agents of a graph by their namespaces; none where a file is about one vehicle.
 
     There are agents where several namespaces have sections, or one beside a ``plant`` of the root,
-    and the root has neither controller nor governor.
+    and the root has neither controller nor governor. The craft of a vehicle are none.
     """
-    named: dict[str, set[str]] = {}
-    for pattern in sections:
-        namespace, role = _literal_namespace(pattern), pattern.rpartition("/")[2]
-        if namespace is not None and role not in OF_GRAPH:
-            named.setdefault(namespace, set()).add(role)
+    named = _roles_by_namespace(sections)
+    for namespace in list(_of_craft(sections, named)):
+        del named[namespace]
     root = named.pop(ROOT, set())
     if root - {PLANT}:
         return ()
@@ -77,6 +77,67 @@ def agents_in(sections: Sections) -> tuple[str, ...]:
     if len(named) > 1 or (root and is_whole):
         return tuple(namespace.strip("/") for namespace in named)
     return ()
+
+
+def _roles_by_namespace(sections: Sections) -> dict[str, set[str]]:
+    """Return what stands in each namespace that is written without a wildcard."""
+    named: dict[str, set[str]] = {}
+    for pattern in sections:
+        namespace, role = _literal_namespace(pattern), pattern.rpartition("/")[2]
+        if namespace is not None and role not in OF_GRAPH:
+            named.setdefault(namespace, set()).add(role)
+    return named
+
+
+def _of_craft(sections: Sections, named: Mapping[str, set[str]]) -> Iterator[str]:
+    """Yield the namespaces of craft: beneath a plant that flies several, and without their own."""
+    craft = [space for space, roles in named.items() if PLANT not in roles and space != ROOT]
+    hosts = [space for space in named if craft and PLANT in named[space]]
+    hosts = [s for s in hosts if has_craft(sections, agent_nodes(s.strip("/")))]
+    yield from (space for space in craft if any(beneath(space, host) for host in hosts))
+
+
+def beneath(space: str, other: str) -> bool:
+    """Tell whether a namespace stands beneath another one."""
+    return space != other and f"{space}/".startswith(f"{other.rstrip('/')}/")
+
+
+def literal_controllers(sections: Sections) -> list[str]:
+    """Return the full names of the controllers that have a section without a wildcard."""
+    names = (p for p in sections if p.rpartition("/")[2] == CONTROLLER)
+    return [f"/{n.strip('/')}" for n in names if _literal_namespace(n) is not None]
+
+
+def has_craft(sections: Sections, nodes: Mapping[str, str]) -> bool:
+    """Tell whether the vehicle among the nodes is several craft; an unknown one is not."""
+    try:
+        return vehicle_in(sections, nodes, "").craft is not None
+    except InvalidScenario:
+        return False
+
+
+def hosts_of(sections: Sections, namespace: str) -> list[str]:
+    """Return the namespaces of the vehicles of which a namespace may be a craft, nearest first."""
+    words = namespace.strip("/").split("/") if namespace.strip("/") else []
+    above = [f"/{'/'.join(words[:count])}" for count in range(len(words) - 1, -1, -1)]
+    return [space for space in above if has_craft(sections, nodes_in(sections, space))]
+
+
+def has_plant(sections: Sections, namespace: str) -> bool:
+    """Tell whether a namespace has a section ``plant`` of its own, or by a wildcard."""
+    plant = f"/{namespace.strip('/')}/{PLANT}".replace("//", "/")
+    return any(matches(pattern, plant) for pattern in sections)
+
+
+def add_craft(sections: Sections, nodes: Mapping[str, str]) -> dict[str, str]:
+    """Return the nodes of a vehicle of several craft, and the controllers of these behind them.
+
+    Their sections are laid over that of the vehicle: one law serves all.
+    """
+    whole = next(name for name, role in nodes.items() if role == CONTROLLER).rpartition("/")[0]
+    named = [n for n in literal_controllers(sections) if beneath(n.rpartition("/")[0], whole)]
+    craft = [f"{whole}/{_ANY_CRAFT}/{CONTROLLER}", *named]
+    return {**nodes, **dict.fromkeys(craft, CONTROLLER)}
 
 
 def nodes_in(sections: Sections, namespace: str) -> dict[str, str]:
@@ -108,6 +169,8 @@ def given_to(
     nodes: Mapping[str, str],
     problems: list[Problem] | None = None,
     vehicle: Vehicle | None = None,
+    *,
+    with_craft: bool = True,
 ) -> Given:
     """Return what ROS 2 gives each of the nodes, by role.
 
@@ -124,13 +187,18 @@ def given_to(
         Gets one more for each parameter of a wildcard that no node knows.
     vehicle : Vehicle, optional
         Where it is another than the one that the sections name.
+    with_craft : bool
+        Whether the controllers of a vehicle's craft are among the nodes.
 
     Raises
     ------
     InvalidScenario
         If the vehicle is unknown, or the plug-in behind it is broken.
     """
-    schema = schema_of(vehicle_in(sections, nodes, "") if vehicle is None else vehicle)
+    vehicle = vehicle_in(sections, nodes, "") if vehicle is None else vehicle
+    schema = schema_of(vehicle)
+    if vehicle.craft is not None and with_craft:
+        nodes = add_craft(sections, nodes)
     by_node: Given = {}
     for pattern, entries in sections.items():
         names = [name for name in nodes if matches(pattern, name)]
@@ -172,7 +240,8 @@ def namespace_of(sections: Sections, file: str, wanted: str | None = None) -> st
     """
     named = dict.fromkeys(_literal_namespace(pattern) for pattern in sections)
     agents = [f"/{agent}" for agent in agents_in(sections)]
-    found = agents or [namespace for namespace in named if namespace is not None]
+    craft = set(_of_craft(sections, _roles_by_namespace(sections)))
+    found = agents or [space for space in named if space is not None and space not in craft]
     preferred = f"/{wanted.strip('/')}" if wanted is not None else ROOT
     if preferred in found or not found:
         return preferred if preferred in found else ROOT
@@ -223,7 +292,8 @@ def _knows(schema: Schema, role: str, name: str, entry: Entry) -> bool:
 
 def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[str]:
     """Name the sections that no node reads."""
-    names = ", ".join(unread(sections, nodes))
+    known = add_craft(sections, nodes) if has_craft(sections, nodes) else nodes
+    names = ", ".join(unread(sections, known))
     controller = next(name for name, role in nodes.items() if role == CONTROLLER)
     namespace = controller.rpartition("/")[0] or ROOT
     return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from spacecraft_gnc.arguments import as_tuple, require_kind
@@ -14,6 +14,8 @@ from spacecraft_gnc.parameters.yaml_file import Entry, Given, parse_value
 from spacecraft_gnc.parameters.yaml_scalar import Scalar
 from spacecraft_gnc.scenario.schema import OF_AGENT, OF_GRAPH, ROLES
 
+_OF_CRAFT: Final = "nmpc_controller"
+"""The node that each craft has of its own."""
 _DURATION: Final = re.compile(r"\s*(/?(\w+/)*)?plant\b.*\bduration\b")
 Overrides = Mapping[str, Any] | Sequence[str]
 """``{"plant.duration": 10.0}``, nested or dotted, or ``["plant.duration=10"]`` as for ``--set``.
@@ -27,9 +29,16 @@ def replaces_duration(texts: Iterable[str]) -> bool:
 
 
 def apply(
-    overrides: Overrides, problems: list[Problem], agents: Sequence[str] = ("",)
+    overrides: Overrides,
+    problems: list[Problem],
+    agents: Sequence[str] = ("",),
+    hosts: Collection[str] = (),
 ) -> dict[str, Given]:
-    """Return what overrides lay over a file, by agent."""
+    """Return what overrides lay over a file, by agent.
+
+    Of the agents ``hosts`` that are several craft each, what is laid over the controller of one is
+    named by its path: ``sc1/nmpc_controller``.
+    """
     written: dict[str, str] = {}
     if isinstance(overrides, Mapping):
         values = flatten(overrides)
@@ -47,7 +56,15 @@ def apply(
         section, _, name = key.partition(".")
         path, _, role = section.strip("/").rpartition("/")
         concerned = [agent for agent in agents if not path or agent == path]
-        if role not in ROLES or not name or not concerned or (path and role in OF_GRAPH):
+        if not concerned and role == _OF_CRAFT:
+            concerned = [host for host in hosts if f"{path}/".startswith(f"{host}/".lstrip("/"))]
+            craft = path.removeprefix(concerned[0]).strip("/") if concerned else ""
+            is_known, role = bool(concerned and name), f"{craft}/{role}"
+        else:
+            is_known = bool(
+                role in ROLES and name and concerned and not (path and role in OF_GRAPH)
+            )
+        if not is_known:
             problems.append(_unknown(key, section, value, agents))
             continue
         as_written = written.get(key) if isinstance(value, Scalar) else None

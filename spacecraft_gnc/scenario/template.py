@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from spacecraft_gnc.arguments import require_path
-from spacecraft_gnc.parameters.yaml_file import read
+from spacecraft_gnc.parameters.problems import Problem
+from spacecraft_gnc.parameters.yaml_file import Given, read
 from spacecraft_gnc.scenario.load import lay_over, load_nodes
-from spacecraft_gnc.scenario.node_sections import nodes_of_one
+from spacecraft_gnc.scenario.node_sections import has_craft, nodes_of_one
 from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.scenario.schema import ROLES
@@ -47,7 +48,8 @@ class Template:
         self._nodes, self._agent, self._warnings = nodes_of_one(
             self._sections, self._file, namespace
         )
-        self._base = apply(overrides, self._problems, [self._agent])[self._agent]
+        self._hosts = [self._agent] if has_craft(self._sections, self._nodes) else []
+        self._base = self._applied(overrides, self._problems)
 
     def scenario(self, overrides: Overrides = ()) -> Scenario:
         """Return what `load` gives with these overrides behind those of the template.
@@ -59,7 +61,10 @@ class Template:
         """
         problems = list(self._problems)
         laid_over = {section: dict(entries) for section, entries in self._base.items()}
-        lay_over(laid_over, apply(overrides, problems, [self._agent])[self._agent])
+        lay_over(laid_over, self._applied(overrides, problems))
         return load_nodes(
             self._sections, self._nodes, self._file, problems, laid_over, self._warnings
         )
+
+    def _applied(self, overrides: Overrides, problems: list[Problem]) -> Given:
+        return apply(overrides, problems, [self._agent], self._hosts)[self._agent]

@@ -62,6 +62,7 @@ WALL_STATUS: Final = Signal(
     start=STAMPED,
     publishers=(CONTROLLER,),
     recorded=False,
+    of_craft=True,
     qos=EVENTS,
 )
 """A few times a wall second: what a progress display shows."""

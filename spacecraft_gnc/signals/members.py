@@ -1,12 +1,13 @@
 """Who takes part in a graph: roles, once or once for each agent, and the ends that they have.
 
 A node is named relative to the graph: ``plant``, ``sc1/nmpc_controller``. What stands before the
-last slash is its agent; nodes without one serve all agents.
+last slash is its agent, or one of the craft of an agent; nodes without one serve all agents.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR, PLANT, RECORDER
@@ -18,8 +19,8 @@ def role_of(name: str) -> str:
     return name.rpartition("/")[2]
 
 
-def agent_of(name: str) -> str:
-    """Return the agent of a node; empty where it has none."""
+def space_of(name: str) -> str:
+    """Return the namespace of a node, an agent's or a craft's; empty where it has none."""
     return name.rpartition("/")[0]
 
 
@@ -29,10 +30,22 @@ class Place(NamedTuple):
     root: str
     """Namespace of the graph, without the last slash; empty: the root namespace."""
     agent: str = ""
+    """Namespace of the agent, relative to the graph."""
+    craft: str = ""
+    """Namespace of one of its craft, likewise; empty: the agent's own."""
 
-    def of_agent(self, agent: str) -> Place:
-        """Return the place of another agent."""
-        return self._replace(agent=agent)
+    def of_space(self, space: str) -> Place:
+        """Return the place of another agent, or of one of the craft where a signal is of each."""
+        return Place(self.root, space)
+
+    def space(self, what: object) -> str:
+        """Return the namespace of a signal's topic, or of a role, relative to the graph."""
+        if isinstance(what, Signal):
+            if what.shared:
+                return ""
+            if not what.of_craft:
+                return self.agent
+        return self.craft or self.agent
 
     def node(self, role: str) -> str:
         """Return the full name of the node of a role."""
@@ -40,8 +53,8 @@ class Place(NamedTuple):
 
     def within_graph(self, what: object) -> str:
         """Return the name of a signal's topic, or a role, relative to the graph."""
-        is_of_agent = self.agent and not (isinstance(what, Signal) and what.shared)
-        return f"{self.agent}/{what}" if is_of_agent else str(what)
+        space = self.space(what)
+        return f"{space}/{what}" if space else str(what)
 
     def topic(self, signal: Signal) -> str:
         """Return the full name of a signal's topic."""
@@ -59,49 +72,67 @@ class Members:
         Relative to the graph.
     wanted
         Topics that the recorder among them takes; empty: all.
+    craft
+        Agent of each craft, by its namespace; an agent of one craft is not among them.
     """
 
-    def __init__(self, names: Iterable[str], wanted: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        names: Iterable[str],
+        wanted: Collection[str] = (),
+        craft: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         self.names = tuple(names)
         self._wanted = tuple(wanted)
+        self._craft = craft
 
     def place(self, namespace: str, role: str) -> Place:
         """Return the place of a node of a role in a namespace."""
         full = f"{namespace.rstrip('/')}/{role}"
-        ends = [name for name in self.names if full.endswith(f"/{name}")]
+        known = (*self.names, *(f"{craft}/{CONTROLLER}" for craft in self._craft))
+        ends = [name for name in known if full.endswith(f"/{name}")]
         name = max(ends, key=len, default=role)
-        return Place(full[: -len(name) - 1], agent_of(name))
+        root, space = full[: -len(name) - 1], space_of(name)
+        if space in self._craft:
+            return Place(root, self._craft[space], space)
+        return Place(root, space)
 
-    def subscribers(self, signal: Signal, agent: str) -> int:
-        """Return how many subscriptions a topic of an agent has."""
-        is_recorded = is_recorded_of(signal, agent, self._wanted)
+    def subscribers(self, signal: Signal, space: str) -> int:
+        """Return how many subscriptions a topic of an agent or a craft has."""
+        is_recorded = is_recorded_of(signal, space, self._wanted)
         recorders = (RECORDER,) if is_recorded else ()
-        return self._count((*signal.subscribers, *recorders), signal, agent)
+        return self._count((*signal.subscribers, *recorders), signal, space)
 
-    def publishers(self, signal: Signal, agent: str) -> int:
-        """Return how many publishers a topic of an agent has."""
-        return self._count(signal.publishers, signal, agent)
+    def publishers(self, signal: Signal, space: str) -> int:
+        """Return how many publishers a topic of an agent or a craft has."""
+        return self._count(signal.publishers, signal, space)
 
-    def _count(self, roles: Sequence[str], signal: Signal, agent: str) -> int:
-        among = [n for n in self.names if signal.shared or agent_of(n) in ("", agent)]
-        return sum(roles.count(role_of(name)) for name in among)
+    def _count(self, roles: Sequence[str], signal: Signal, space: str) -> int:
+        return sum(roles.count(role_of(n)) for n in self.names if self._serves(n, signal, space))
+
+    def _serves(self, name: str, signal: Signal, space: str) -> bool:
+        """Tell whether a node takes part in the topic that a signal has in a namespace."""
+        own = space_of(name)
+        if signal.of_craft:  # of the other craft's nodes none
+            return own in ("", space, self._craft.get(space, space))
+        return signal.shared or self._craft.get(own, own) in ("", space)
 
 
-def is_recorded_of(signal: Signal, agent: str, wanted: Collection[str]) -> bool:
-    """Tell whether a recorder asked for topics ``wanted`` takes an agent's signal.
+def is_recorded_of(signal: Signal, space: str, wanted: Collection[str]) -> bool:
+    """Tell whether a recorder asked for topics ``wanted`` takes a signal of an agent or a craft.
 
-    A name without an agent means the topic of each.
+    A name without a namespace means the topic of each.
     """
-    prefix = f"{agent}/"
+    prefix = f"{space}/"
     return signal.is_recorded([name.strip("/").removeprefix(prefix) for name in wanted])
 
 
 def foreign(signals: Iterable[tuple[str, Signal]], wanted: Collection[str]) -> tuple[str, ...]:
-    """Return what a recorder is asked for and no signal of an agent (agent, signal) is."""
+    """Return what a recorder is asked for and no signal of a namespace (space, signal) is."""
     known = {EVERY}
-    for agent, signal in signals:
+    for space, signal in signals:
         if signal.recorded:
-            known |= {signal.name.strip("/"), Place("", agent).within_graph(signal).strip("/")}
+            known |= {signal.name.strip("/"), Place("", space).within_graph(signal).strip("/")}
     return tuple(name for name in wanted if name.strip("/") not in known)
 
 

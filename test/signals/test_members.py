@@ -43,8 +43,8 @@ def test_several_spacecraft_in_one_graph(root: str) -> None:
     assert place.topic(READY) == f"{root}/graph_ready"
     plant = PAIR.place(root or "/", "plant")
     assert plant == Place(root)
-    assert plant.of_agent("sc2").topic(TORQUE) == f"{root}/sc2/torque_command"
-    assert plant.of_agent("sc2").within_graph(TORQUE) == "sc2/torque_command"
+    assert plant.of_space("sc2").topic(TORQUE) == f"{root}/sc2/torque_command"
+    assert plant.of_space("sc2").within_graph(TORQUE) == "sc2/torque_command"
     assert (PAIR.subscribers(STATE, "sc1"), PAIR.subscribers(STATE, "sc2")) == (3, 2)
     assert (PAIR.publishers(STATE, "sc1"), PAIR.publishers(REFERENCE, "sc2")) == (1, 0)
     assert PAIR.publishers(READY, "") == 4
