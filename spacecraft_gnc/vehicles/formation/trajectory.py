@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.types import Array, read_only
 from spacecraft_gnc.vehicles.formation.state import FormationReference
@@ -32,7 +33,7 @@ class NaturalTrajectory:
         """Control steps p of an orbit."""
         return len(self.states)
 
-    def reference(self, step: int, shift: Array) -> FormationReference:
+    def reference(self, step: int, shift: NDArray[np.int64]) -> FormationReference:
         """Return what the craft are to track at a step under shifts tau (n,): Kolmanovsky (17)."""
         chosen = np.array(shift, dtype=np.int64)
         states = self.states[(step + self.phases + chosen) % self.period]
