@@ -50,7 +50,7 @@ class Outputs:
         """Return what a progress display shows of a step: how far the craft are from formed."""
         del command
         errors = np.linalg.norm(state.position - reference.position, axis=1)
-        return {"position_error": float(errors.max()), "wall_solve_time": math.nan}
+        return {"distance": float(errors.max()), "wall_solve_time": math.nan}
 
     def governor(self, decision: FormationDecision) -> Told:
         """Return what the governor tells of a decision; the reference first."""
