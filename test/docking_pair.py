@@ -13,7 +13,8 @@ from independent import hat, vee
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from spacecraft_gnc.vehicles.docking.chief import EARTH, ChiefMotion
+from spacecraft_gnc.plant.earth import GRAVITATIONAL_PARAMETER as EARTH
+from spacecraft_gnc.vehicles.docking.chief import ChiefMotion
 from spacecraft_gnc.vehicles.docking.dynamics import RelativeMotion
 from spacecraft_gnc.vehicles.docking.geometry import Cuboid
 

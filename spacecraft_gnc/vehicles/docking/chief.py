@@ -10,6 +10,7 @@ import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_limit, require_positive
+from spacecraft_gnc.plant.earth import GRAVITATIONAL_PARAMETER
 from spacecraft_gnc.types import (
     Array,
     Matrix3,
@@ -20,8 +21,6 @@ from spacecraft_gnc.types import (
     unit_vector,
 )
 
-EARTH: Final = 3.986004418e14
-"""Gravitational parameter of the Earth [m^3/s^2] (IERS Conventions 2010)."""
 _NORMAL: Final = np.array([0.0, 0.0, 1.0])
 
 
@@ -73,7 +72,7 @@ class ChiefMotion:
     @property
     def orbit_radius(self) -> float:
         """Radius of the orbit around the Earth that has this mean motion [m]."""
-        return float(np.cbrt(EARTH / self.mean_motion**2))
+        return float(np.cbrt(GRAVITATIONAL_PARAMETER / self.mean_motion**2))
 
     @property
     def packed(self) -> Array:

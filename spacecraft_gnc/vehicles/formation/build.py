@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from spacecraft_gnc.plant.earth import J2
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.formation import hill
 from spacecraft_gnc.vehicles.formation.dynamics import FormationMotion
 from spacecraft_gnc.vehicles.formation.lqr import formation_gain
-from spacecraft_gnc.vehicles.formation.orbit import J2, mean_motion, orbital_period
+from spacecraft_gnc.vehicles.formation.orbit import mean_motion, orbital_period
 from spacecraft_gnc.vehicles.formation.plant import FormationPlant
 from spacecraft_gnc.vehicles.formation.scenario import Scenario
 from spacecraft_gnc.vehicles.formation.trajectory import NaturalTrajectory

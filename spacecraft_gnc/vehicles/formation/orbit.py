@@ -5,12 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-GRAVITATIONAL_PARAMETER: Final = 3.986004418e14
-"""Of the Earth [m^3/s^2] (WGS 84)."""
-EQUATORIAL_RADIUS: Final = 6378137.0
-"""Of the Earth [m] (WGS 84)."""
-J2: Final = 1.08262668e-3
-"""Second zonal harmonic of the Earth, unnormalized."""
+from spacecraft_gnc.plant.earth import EQUATORIAL_RADIUS, GRAVITATIONAL_PARAMETER
+
 SAMPLES: Final = 50
 """Control periods in an orbit unless a scenario says otherwise (report, Table 1)."""
 

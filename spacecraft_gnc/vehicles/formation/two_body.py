@@ -28,15 +28,10 @@ import numpy as np
 
 from spacecraft_gnc.arguments import as_count, as_limit, as_real, require_positive
 from spacecraft_gnc.arrays import as_shaped
+from spacecraft_gnc.plant.earth import EQUATORIAL_RADIUS, GRAVITATIONAL_PARAMETER, J2
 from spacecraft_gnc.types import Array, read_only
 from spacecraft_gnc.vehicles.formation import _motion_kernels as kernels
-from spacecraft_gnc.vehicles.formation.orbit import (
-    EQUATORIAL_RADIUS,
-    GRAVITATIONAL_PARAMETER,
-    J2,
-    mean_motion,
-    orbital_period,
-)
+from spacecraft_gnc.vehicles.formation.orbit import mean_motion, orbital_period
 
 _STEPS_OF_ORBIT: Final = 100  # integrator steps, at least: the errors are then of rounding
 

@@ -28,8 +28,9 @@ from hypothesis import strategies as st
 from strategies import rotations, vectors
 
 from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.plant.earth import GRAVITATIONAL_PARAMETER as EARTH
 from spacecraft_gnc.vehicles.docking import _motion_kernels as kernels
-from spacecraft_gnc.vehicles.docking.chief import EARTH, ChiefMotion
+from spacecraft_gnc.vehicles.docking.chief import ChiefMotion
 from spacecraft_gnc.vehicles.docking.dynamics import _row
 from spacecraft_gnc.vehicles.docking.geometry import clearance, line_of_sight_margin
 

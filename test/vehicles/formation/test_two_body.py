@@ -13,15 +13,10 @@ from scipy.integrate import solve_ivp
 from strategies import vectors
 
 from spacecraft_gnc.errors import ParameterError, ShapeError
+from spacecraft_gnc.plant.earth import EQUATORIAL_RADIUS, GRAVITATIONAL_PARAMETER, J2
 from spacecraft_gnc.vehicles.formation import _motion_kernels as kernels
 from spacecraft_gnc.vehicles.formation import hill
-from spacecraft_gnc.vehicles.formation.orbit import (
-    EQUATORIAL_RADIUS,
-    GRAVITATIONAL_PARAMETER,
-    J2,
-    mean_motion,
-    orbital_period,
-)
+from spacecraft_gnc.vehicles.formation.orbit import mean_motion, orbital_period
 from spacecraft_gnc.vehicles.formation.two_body import TwoBodyMotion
 
 ALTITUDE = 350e3
