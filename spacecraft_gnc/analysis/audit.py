@@ -17,6 +17,7 @@ from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import flight_namespace
 from spacecraft_gnc.scenario import Scenario
+from spacecraft_gnc.scenario.craft import craft_of
 from spacecraft_gnc.scenario.fingerprint import fingerprint
 from spacecraft_gnc.scenario.recorded import SCENARIO_ATTACHMENT, parse_scenario, scenario_texts
 from spacecraft_gnc.vehicles.known_signals import state_signals
@@ -117,8 +118,9 @@ def audit_bag(
         name = flight_namespace(bag, namespace, state_signals())
         scenario, problem = parse_scenario(text, bag.path, name, defaults)
         vehicle: VehicleAudit = part("audit", scenario)
+        topics = vehicle.topics.of_craft(() if scenario is None else craft_of(scenario))
         evidence = read_evidence(
-            bag, vehicle.topics, scenario, namespace, watch("reading"), stopped=allow_unfinished
+            bag, topics, scenario, namespace, watch("reading"), stopped=allow_unfinished
         )
         vehicle.require_flight(evidence)
         if scenario is None:

@@ -13,6 +13,7 @@ from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.loop.flight import Flight, agents_in
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import flight_namespace
+from spacecraft_gnc.scenario.craft import craft_names
 from spacecraft_gnc.scenario.recorded import parse_scenario, scenario_texts
 from spacecraft_gnc.vehicles import registry
 from spacecraft_gnc.vehicles.known_signals import state_signals
@@ -82,11 +83,23 @@ def _read_npz(path: Path, namespace: str | None) -> RecordedRun:
 
 
 def _agent_in_npz(path: Path, namespace: str | None) -> str:
-    """Return the agent to read; a file of one flight has none, whatever is asked for."""
+    """Return the agent to read; a craft means the agent that it is one of.
+
+    A file of one flight has no agent, whatever is asked for, unless its craft are known.
+    """
     known = agents_in(path)
+    asked = "" if namespace is None else namespace.strip("/")
     if known == ("",):
+        craft = _craft_in_npz(path, "") if asked else ()
+        if craft and f"/{asked}" not in craft:
+            listed = ", ".join(craft)
+            raise RecordingError(
+                f"{path}: a flight of several craft ({listed}), none of them {namespace}; required "
+                "one of these, or none; leave out --namespace"
+            )
         return ""
-    wanted = known if namespace is None else [a for a in known if a == namespace.strip("/")]
+    wanted = known if namespace is None else [a for a in known if a == asked]
+    wanted = wanted or [a for a in known if asked in _craft_in_npz(path, a)]
     if len(wanted) == 1:
         return wanted[0]
     listed = ", ".join(f"/{agent}" for agent in known)
@@ -94,6 +107,13 @@ def _agent_in_npz(path: Path, namespace: str | None) -> str:
     raise RecordingError(
         f"{path}: several spacecraft ({listed}){asked}; required one; name it with --namespace"
     )
+
+
+def _craft_in_npz(path: Path, agent: str) -> tuple[str, ...]:
+    """Return the craft of an agent, by the scenario in a file."""
+    texts = Flight.load_scenario(path), path, agent or None, Flight.load_defaults(path)
+    scenario, _ = parse_scenario(*texts)
+    return () if scenario is None else craft_names(scenario, agent)
 
 
 def read_flight(

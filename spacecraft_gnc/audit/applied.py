@@ -16,7 +16,8 @@ def held_steps(evidence: Evidence, applied: Applied) -> NDArray[np.int64]:
     """Return the steps for which the plant says that no command came in time.
 
     In free run its count grows by one at each. In lockstep, where it is told now and then only,
-    the idle steps of the plant's own must be as many as it counts in all.
+    the idle steps of the plant's own must be as many as it counts in all. Of several craft, that of
+    one is enough.
     """
     timing = evidence.columns[WALL_TIMING]
     none = np.empty(0, dtype=np.int64)
@@ -26,9 +27,14 @@ def held_steps(evidence: Evidence, applied: Applied) -> NDArray[np.int64]:
     if evidence.scenario.plant.mode == "free_run":
         told = evidence.rows(WALL_TIMING, "held_commands", steps + 1)
         return np.flatnonzero(np.diff(np.concatenate([[0], told])) == 1)
-    idle = evidence.rows(applied.told, applied.source, steps + 1) == Source.ZERO
-    idle &= (evidence.rows(applied.told, applied.control, steps + 1) == 0.0).all(axis=1)
-    found = np.flatnonzero(idle & (evidence.rows(applied.command, "source", steps) != Source.ZERO))
+    commands = [
+        evidence.rows(command, "source", steps) for command in evidence.topics.each(applied.command)
+    ]
+    of_each = evidence.n, len(commands)
+    source = evidence.rows(applied.told, applied.source, steps + 1).reshape(of_each)
+    control = evidence.rows(applied.told, applied.control, steps + 1).reshape(*of_each, -1)
+    idle = (source == Source.ZERO) & (control == 0.0).all(axis=2)
+    found = np.flatnonzero((idle & (np.stack(commands, axis=1) != Source.ZERO)).any(axis=1))
     return found if found.size == timing.fields["held_commands"].max() else none
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,6 +29,22 @@ class Topics(NamedTuple):
     """The topic whose plans are read some thousand at a time, as `Evidence.solves` yields them."""
     plans: tuple[str, ...] = ()
     """Its fields that are."""
+    craft: tuple[str, ...] = ()
+    """Namespaces of the vehicle's craft, relative to the flight's; empty: it is one."""
+
+    def of_craft(self, craft: Sequence[str]) -> Topics:
+        """Return the topics with those of each craft in place of a signal that each has."""
+        own = self._replace(craft=tuple(craft))
+        return own._replace(
+            every_step=tuple(one for signal in self.every_step for one in own.each(signal)),
+            sparse=tuple(one for signal in self.sparse for one in own.each(signal)),
+        )
+
+    def each(self, signal: Signal) -> tuple[Signal, ...]:
+        """Return a signal of every craft, in their order; one that they have not each, itself."""
+        if not (signal.of_craft and self.craft):
+            return (signal,)
+        return tuple(signal.of(name) for name in self.craft)
 
     @property
     def leading(self) -> frozenset[Signal]:

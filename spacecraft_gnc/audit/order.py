@@ -66,7 +66,10 @@ def is_expected(evidence: Evidence, topic: Signal) -> bool:
     prefix = f"{(evidence.namespace or '').strip('/')}/"  # of one agent, or without it of all
     nodes = {name.removeprefix(prefix) for name in evidence.scenario.launcher.nodes}
     topics = {name.removeprefix(prefix) for name in wanted}
-    return topic.publishers[0] in nodes and (not wanted or topic.name in topics)
+    craft, _, name = topic.name.rpartition("/")
+    role = topic.publishers[0]
+    is_told = not nodes.isdisjoint((role, f"{craft}/{role}"))
+    return is_told and (not wanted or not topics.isdisjoint((topic.name, name)))
 
 
 def _whole_flight(evidence: Evidence, ledger: Ledger, stopped: bool) -> None:

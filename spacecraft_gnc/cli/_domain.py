@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 
 import typer
 
-from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.errors import LaunchError, ParameterError
 from spacecraft_gnc.launcher import domain, environment
 
 DomainOption = Annotated[
@@ -60,6 +60,23 @@ def choose_domain(given: int | None) -> int:
 def agents_on(domain_id: int) -> list[str]:
     """Return the agents of a launched graph; none where it has one vehicle, or no launcher."""
     return str(domain.about(domain_id).get("agents", "")).split()
+
+
+def require_namespace(namespace: str, domain_id: int) -> None:
+    """Refuse a namespace in which a launched graph has no spacecraft.
+
+    Raises
+    ------
+    ParameterError
+        With the agents and the craft that there are.
+    """
+    known = str(domain.about(domain_id).get("craft", "")).split()
+    if known and namespace.strip("/") not in ("", *agents_on(domain_id), *known):
+        listed = ", ".join(f"/{name}" for name in (*agents_on(domain_id), *known))
+        raise ParameterError(
+            f"--namespace: received {namespace!r} while {listed} fly; required one of these, or "
+            "none for the flight of all; leave it out"
+        )
 
 
 def tell_choice(what: str, agents: Sequence[str]) -> None:

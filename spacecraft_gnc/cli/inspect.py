@@ -18,6 +18,7 @@ from spacecraft_gnc.cli._domain import (
     DomainOption,
     agents_on,
     choose_domain,
+    require_namespace,
     tell_choice,
 )
 from spacecraft_gnc.cli._help import App
@@ -127,6 +128,7 @@ def watch(
 
     style = "json" if as_json else "live" if sys.stdout.isatty() and not once else "plain"
     chosen = choose_domain(domain_id)
+    require_namespace(namespace, chosen)
     agents = [] if namespace else agents_on(chosen)
     if agents:
         tell_choice(f"ROS_DOMAIN_ID={chosen}", agents)

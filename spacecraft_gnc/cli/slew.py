@@ -10,7 +10,13 @@ import typer
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.cli._common import JsonOption, QuietOption, RunFailed, print_json
-from spacecraft_gnc.cli._domain import AgentOption, DomainOption, agents_on, choose_domain
+from spacecraft_gnc.cli._domain import (
+    AgentOption,
+    DomainOption,
+    agents_on,
+    choose_domain,
+    require_namespace,
+)
 from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.extras import require_ros
 from spacecraft_gnc.types import Array, unit_vector
@@ -58,6 +64,7 @@ def slew(
             print(text, flush=True)
 
     chosen = choose_domain(domain_id)
+    require_namespace(namespace, chosen)
     _require_one(namespace, chosen)
     with GraphView(chosen) as view:
         result = fly(view, target, math.radians(tolerance_deg), show, namespace)

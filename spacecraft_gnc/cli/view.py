@@ -17,6 +17,7 @@ from spacecraft_gnc.cli._domain import (
     DomainOption,
     choose_domain,
     find_domain,
+    require_namespace,
     tell_choice,
 )
 from spacecraft_gnc.cli._progress import show_progress
@@ -140,7 +141,7 @@ def _run(feed: Feed, flight: RecordedFlight | LiveFlight, stop: _StopRequest) ->
 def _live(domain_id: int | None, namespace: str) -> LiveFlight:
     from spacecraft_gnc.ros.live_flight import LiveFlight
 
-    choose_domain(domain_id)  # refuses where several graphs run
+    require_namespace(namespace, choose_domain(domain_id))  # refuses where several graphs run
     return LiveFlight(lambda: find_domain(domain_id), namespace, tell_choice)
 
 

@@ -94,6 +94,8 @@ class Launcher:
         about = {"scenario": str(self.plan.scenario.path), "out": str(self.plan.out.resolve())}
         if "" not in self.plan.fleet.agents:
             about["agents"] = " ".join(self.plan.fleet.agents)
+        if self.plan.fleet.craft:
+            about["craft"] = " ".join(self.plan.fleet.craft)
         given = self.plan.scenario.launcher.domain_id
         if given < 0 and os.environ.get(environment.DOMAIN_ID):
             given = environment.domain_id(os.environ)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import Bag
@@ -33,15 +33,20 @@ def flight_topics(
     return topics
 
 
-def namespace_topics(bag: Bag, namespace: str | None = None) -> dict[str, str]:
+def namespace_topics(
+    bag: Bag, namespace: str | None = None, leads: Iterable[Signal] = ()
+) -> dict[str, str]:
     """Return the full name of each topic of one spacecraft by its name in the namespace.
+
+    ``leads``: as of `flight_namespace`; those that nobody recorded do not count.
 
     Raises
     ------
     RecordingError
         If the bag holds no spacecraft, or several.
     """
-    prefix = f"{flight_namespace(bag, namespace)}/"
+    names = {topic.rpartition("/")[2] for topic in bag.topics}
+    prefix = f"{flight_namespace(bag, namespace, [s for s in leads if s.name in names])}/"
     return {name.removeprefix(prefix): name for name in bag.topics if name.startswith(prefix)}
 
 
@@ -53,7 +58,7 @@ def flight_namespace(bag: Bag, namespace: str | None, leads: Iterable[Signal] = 
     bag
         An open bag.
     namespace
-        Of the spacecraft, where the bag holds several.
+        Of the spacecraft, where the bag holds several; that of one of its craft means it, too.
     leads
         Signals of which each spacecraft has one; none: whatever has a message of each step.
 
@@ -66,7 +71,9 @@ def flight_namespace(bag: Bag, namespace: str | None, leads: Iterable[Signal] = 
     found = flight_namespaces(bag, leads)
     prefixes = found
     if namespace is not None:
-        prefixes = [prefix for prefix in found if prefix.strip("/") == namespace.strip("/")]
+        known = _topics_by_namespace(bag, leads)
+        prefixes = [prefix for prefix in known if prefix.strip("/") == namespace.strip("/")]
+        prefixes = prefixes or _host_of_craft(bag, namespace, found)
         if not prefixes and all(lead.shared for lead in leads):  # it belongs to the graph
             prefixes = [prefix for prefix in found if _is_within(namespace, prefix)]
     if not prefixes:
@@ -84,8 +91,14 @@ def flight_namespace(bag: Bag, namespace: str | None, leads: Iterable[Signal] = 
     return prefixes[0]
 
 
-def flight_namespaces(bag: Bag, leads: Iterable[Signal] = ()) -> list[str]:
+def flight_namespaces(bag: Bag, leads: Collection[Signal] = ()) -> list[str]:
     """Return the prefixes of the flights in a bag, sorted; ``leads`` as of `flight_namespace`."""
+    found = _topics_by_namespace(bag, leads)
+    return sorted(space for space in found if leads or not _is_craft(space, found))
+
+
+def _topics_by_namespace(bag: Bag, leads: Collection[Signal]) -> dict[str, set[str]]:
+    """Return the names of the topics that lead a flight, by their namespace."""
     names = {lead.name for lead in leads}
     topics = (
         topic
@@ -93,7 +106,41 @@ def flight_namespaces(bag: Bag, leads: Iterable[Signal] = ()) -> list[str]:
         if (topic.rpartition("/")[2] in names if names else bag.is_gapless(topic))
         and (names or bag.is_stepped(topic))
     )
-    return sorted({topic.rpartition("/")[0] for topic in topics})
+    found: dict[str, set[str]] = {}
+    for topic in topics:
+        space, _, name = topic.rpartition("/")
+        found.setdefault(space, set()).add(name)
+    return found
+
+
+def craft_in(bag: Bag, signal: Signal, namespace: str | None = None) -> tuple[str, ...]:
+    """Return the craft of a flight of which a bag has a signal that each of them has, sorted.
+
+    Their names are relative to the namespace of the flight, as `Signal.of` takes them. The order is
+    that of the alphabet; where the scenario is known, it is `scenario.craft.craft_of` that counts.
+
+    Raises
+    ------
+    RecordingError
+        If the bag holds no flight, or several.
+    """
+    prefix, name = f"{flight_namespace(bag, namespace)}/", f"/{signal.name}"
+    own = (topic for topic in bag.topics if topic.startswith(prefix) and topic.endswith(name))
+    return tuple(sorted(topic.removeprefix(prefix).removesuffix(name) for topic in own))
+
+
+def _is_craft(space: str, found: Mapping[str, set[str]]) -> bool:
+    """Tell whether a namespace is that of a craft: beneath a flight's, of other topics than its."""
+    above = [names for other, names in found.items() if other != space and _is_within(space, other)]
+    return any(names.isdisjoint(found[space]) for names in above)
+
+
+def _host_of_craft(bag: Bag, namespace: str, found: Sequence[str]) -> list[str]:
+    """Return the nearest flight above a namespace in which craft of it have told of their steps."""
+    own = f"/{namespace.strip('/')}/"
+    if not any(topic.startswith(own) and bag.is_stepped(topic) for topic in bag.topics):
+        return []
+    return sorted((p for p in found if _is_within(namespace, p)), key=len)[-1:]
 
 
 def _is_within(namespace: str, prefix: str) -> bool:

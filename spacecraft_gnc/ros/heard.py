@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -36,12 +36,18 @@ class Heard:
         Whose flight it is.
     room
         What is shown of it: the names that a row has beside the columns of the flight.
+    craft
+        Namespaces of its craft, relative to its own; empty: it is one, or they are not known.
     """
 
-    def __init__(self, vehicle: Vehicle, room: VehicleLive) -> None:
+    def __init__(self, vehicle: Vehicle, room: VehicleLive, craft: Sequence[str] = ()) -> None:
         own = vehicle_signals(vehicle)
+        self.craft = tuple(craft)
         self.seams = Seams.among(own)
-        self.signals = {s.name: s for s in (*own, WALL_TIMING) if s.is_stepped}
+        stepped = [signal for signal in (*own, WALL_TIMING) if signal.is_stepped]
+        self._each = {s.name: [s.of(name) for name in craft] for s in stepped if s.of_craft}
+        told = (one for s in stepped for one in self._each.get(s.name, [s]))
+        self.signals = {signal.name: signal for signal in told}
         self.inboxes = {name: Inbox() for name in self.signals}
         self._targets: dict[int, Any] = {}
         self._places = dict(self._find(vehicle, room))
@@ -72,7 +78,7 @@ class Heard:
     @property
     def is_whole(self) -> bool:
         """Whether each signal that tells something of every step has come."""
-        told = {place.signal for place in self._places.values()} & self.signals.keys()
+        told = self._shown & self.signals.keys()
         wanted = [name for name in told if self.signals[name].every_step]
         return all(self.inboxes[name].last for name in wanted)
 
@@ -95,11 +101,23 @@ class Heard:
 
         The target is the one taken last in flight; None: the scenario's counts.
         """
-        names = {place.signal for place in self._places.values()} & self.signals.keys()
+        names = self._shown & self.signals.keys()
         messages = {name: self._message(self.signals[name], step) for name in names}
-        return {
-            name: _value(messages.get(place.signal), place) for name, place in self._places.items()
-        }
+        return {name: self._told(messages, place) for name, place in self._places.items()}
+
+    @property
+    def _shown(self) -> set[str]:
+        """Names of the signals of which a row tells."""
+        named = {place.signal for place in self._places.values()}
+        return named | {one.name for name in named & self._each.keys() for one in self._each[name]}
+
+    def _told(self, messages: dict[str, Message | None], place: _Place) -> Any:
+        """Return a value of a row; of a signal that each craft has, a row for each."""
+        if place.signal not in self._each:
+            return _value(messages.get(place.signal), place)
+        own = place._replace(shape=place.shape[1:])
+        values = [_value(messages.get(one.name), own) for one in self._each[place.signal]]
+        return None if not values or any(v is None for v in values) else np.stack(values)
 
     def _message(self, signal: Signal, step: int) -> Message | None:
         if signal is self.seams.target:

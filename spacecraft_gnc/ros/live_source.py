@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -18,10 +18,12 @@ from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.ros.endpoints import full_topic_name, message_type
 from spacecraft_gnc.ros.graph import GraphView
+from spacecraft_gnc.ros.graph_of import vehicle_signals
 from spacecraft_gnc.ros.heard import Heard
 from spacecraft_gnc.ros.inboxes import Rates
 from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.ros.setup_reader import SetupReader
+from spacecraft_gnc.scenario.craft import craft_of
 from spacecraft_gnc.signals import Refused, Signal
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.vehicles.known_signals import vehicles_by_state
@@ -42,7 +44,7 @@ class LiveSource:
     view
         The graph; its owner spins it.
     namespace
-        Of the spacecraft.
+        Of the spacecraft; that of one of its craft means all of them.
     clock
         Wall time [s]; tests hand in their own.
 
@@ -63,17 +65,21 @@ class LiveSource:
     ) -> None:
         self._view = view
         self._clock = clock
-        space = namespace.strip("/")
-        self._prefix = f"/{space}/" if space else "/"
-        self._title = partial(_title, view.domain_id, space)
+        self._stand(namespace.strip("/"))
         self.history = History()
         self._subscriptions: list[Any] = []
         self._look_at, self._publishers = -math.inf, 0
         self._vehicles = vehicles_by_state()  # once: it reads what is installed
         self._join(vehicle_of(DEFAULT_VEHICLE))
-        self._reader = SetupReader(view.node, space)
 
-    def _join(self, vehicle: Vehicle) -> None:
+    def _stand(self, space: str) -> None:
+        """Look for the spacecraft of a namespace."""
+        self._space = space
+        self._prefix = f"/{space}/" if space else "/"
+        self._title = partial(_title, self._view.domain_id, space)
+        self._reader = SetupReader(self._view.node, space)
+
+    def _join(self, vehicle: Vehicle, craft: Sequence[str] = ()) -> None:
         """Listen to the signals of a vehicle, and to no other's.
 
         Raises
@@ -85,7 +91,7 @@ class LiveSource:
         for subscription in self._subscriptions:
             self._view.node.destroy_subscription(subscription)
         self.setup = Setup.without_scenario(self._title(), vehicle, live=True)
-        self._vehicle, self._heard = vehicle, Heard(vehicle, room)
+        self._vehicle, self._heard = vehicle, Heard(vehicle, room, craft)
         self._rates = Rates(self._heard.inboxes)
         self._clear()
         self._state_name = full_topic_name(
@@ -161,11 +167,35 @@ class LiveSource:
     def _find_vehicle(self) -> None:
         """Join the vehicle whose state somebody publishes; none yet: whichever is joined."""
         for state, vehicle in self._vehicles.items():
-            if found := len(self._view.publishers(f"{self._prefix}{state}")):
+            if found := self._publishers_above(state, vehicle):
                 self._publishers = found
-                self._join(vehicle)
+                self._join(vehicle, self._craft_seen(vehicle))
                 self._reader.restart()
                 return
+
+    def _publishers_above(self, state: Signal, vehicle: Vehicle) -> int:
+        """Count who publishes a state here or, as this is one of its craft, in a namespace above.
+
+        The vehicle is then watched from there.
+        """
+        if found := len(self._view.publishers(f"{self._prefix}{state}")):
+            return found
+        if not self._space or not any(
+            self._view.publishers(f"{self._prefix}{signal}") for signal in _of_craft(vehicle)
+        ):
+            return 0
+        above = self._space.rpartition("/")[0]
+        found = len(self._view.publishers(f"/{above}/{state}".replace("//", "/")))
+        if found:
+            self._stand(above)
+        return found
+
+    def _craft_seen(self, vehicle: Vehicle) -> list[str]:
+        """Return the craft that have a topic of their own, until the scenario tells their order."""
+        names = [f"/{signal}" for signal in _of_craft(vehicle)]
+        topics = [name for name, _ in self._view.node.get_topic_names_and_types()]
+        own = (name.removeprefix(self._prefix) for name in topics if name.startswith(self._prefix))
+        return sorted({t.removesuffix(end) for t in own for end in names if t.endswith(end)})
 
     # What arrives.
 
@@ -191,8 +221,9 @@ class LiveSource:
     def _read_setup(self) -> None:
         found = self._reader.poll(self._clock())
         if found is not None:
-            if found.vehicle.name != self._vehicle.name:
-                self._join(found.vehicle)
+            craft = craft_of(found)
+            if (found.vehicle.name, craft) != (self._vehicle.name, self._heard.craft):
+                self._join(found.vehicle, craft)
             self.setup = Setup.of(found, self._title(), live=True)
 
     # What it looks like.
@@ -261,6 +292,12 @@ class LiveSource:
             held=m["held_commands"],
             rejected=m["rejected_messages"],
         )
+
+
+def _of_craft(vehicle: Vehicle) -> list[Signal]:
+    """Return the signals that each craft of a vehicle has; none where it is one."""
+    signals = vehicle_signals(vehicle) if vehicle.craft is not None else ()
+    return [signal for signal in signals if signal.of_craft]
 
 
 def _title(domain_id: int, space: str) -> str:

@@ -14,6 +14,7 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.ros.parameters import AGENTS, ROS_OWN, of_agent
 from spacecraft_gnc.ros.remote import NOT_SET
 from spacecraft_gnc.scenario import Scenario, from_sections
+from spacecraft_gnc.scenario.craft import craft_of
 from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR, PLANT
 from spacecraft_gnc.signals.members import Place
 
@@ -36,9 +37,12 @@ class SetupReader:
     """
 
     def __init__(self, node: Node, agent: str) -> None:
-        self._agent = agent
-        place = Place(f"/{agent}" if agent else "")
-        self._questions = {name: _Question(node, place.node(name), _PROOF[name]) for name in _PROOF}
+        self._node, self._agent = node, agent
+        self._place = Place(f"/{agent}" if agent else "")
+        self._questions = {
+            name: _Question(node, self._place.node(name), _PROOF[name]) for name in _PROOF
+        }
+        self._of_craft: dict[str, _Question] = {}
         if agent:  # its plant may be that of all agents
             self._questions[_SHARED_PLANT] = _Question(node, _SHARED_PLANT, AGENTS)
         self._told = False
@@ -46,7 +50,7 @@ class SetupReader:
     def restart(self) -> None:
         """Ask anew: another flight begins."""
         self._told = False
-        for question in self._questions.values():
+        for question in (*self._questions.values(), *self._of_craft.values()):
             question.restart()
 
     def poll(self, now: float) -> Scenario | None:
@@ -58,6 +62,8 @@ class SetupReader:
         sections = {name: q.values for name, q in self._questions.items() if q.values}
         if _SHARED_PLANT in sections:
             sections[PLANT] = of_agent(sections.pop(_SHARED_PLANT), self._agent)
+        if PLANT in sections and CONTROLLER not in sections:
+            sections |= self._ask_craft(sections[PLANT], now)
         if PLANT not in sections or CONTROLLER not in sections:
             return None
         if GOVERNOR not in sections and self._questions[GOVERNOR].is_there:
@@ -67,6 +73,22 @@ class SetupReader:
             return from_sections(sections)
         except GncError:  # of another version: what it means is not known here
             return None
+
+    def _ask_craft(self, plant: dict[str, Any], now: float) -> dict[str, dict[str, Any]]:
+        """Return the section of the first craft's controller that answers: one law serves all."""
+        try:
+            craft = craft_of(from_sections({PLANT: plant}))
+        except GncError:
+            return {}
+        for name in craft:
+            node = self._place._replace(craft=name).node(CONTROLLER)
+            question = self._of_craft.setdefault(
+                name, _Question(self._node, node, _PROOF[CONTROLLER])
+            )
+            question.poll(now)
+            if question.values:
+                return {CONTROLLER: question.values}
+        return {}
 
 
 class _Question:

@@ -66,6 +66,11 @@ def agents_in(sections: Sections) -> tuple[str, ...]:
 
     There are agents where several namespaces have sections, or one beside a ``plant`` of the root,
     and the root has neither controller nor governor. The craft of a vehicle are none.
+
+    Raises
+    ------
+    InvalidScenario
+        If there may be craft, of a vehicle that is unknown.
     """
     named = _roles_by_namespace(sections)
     for namespace in list(_of_craft(sections, named)):
@@ -93,7 +98,8 @@ def _of_craft(sections: Sections, named: Mapping[str, set[str]]) -> Iterator[str
     """Yield the namespaces of craft: beneath a plant that flies several, and without their own."""
     craft = [space for space, roles in named.items() if PLANT not in roles and space != ROOT]
     hosts = [space for space in named if craft and PLANT in named[space]]
-    hosts = [s for s in hosts if has_craft(sections, agent_nodes(s.strip("/")))]
+    plants = {host: agent_nodes(host.strip("/")) for host in hosts}
+    hosts = [host for host in hosts if vehicle_in(sections, plants[host], "").craft is not None]
     yield from (space for space in craft if any(beneath(space, host) for host in hosts))
 
 
@@ -120,7 +126,9 @@ def hosts_of(sections: Sections, namespace: str) -> list[str]:
     """Return the namespaces of the vehicles of which a namespace may be a craft, nearest first."""
     words = namespace.strip("/").split("/") if namespace.strip("/") else []
     above = [f"/{'/'.join(words[:count])}" for count in range(len(words) - 1, -1, -1)]
-    return [space for space in above if has_craft(sections, nodes_in(sections, space))]
+    agents = {f"/{agent}" for agent in agents_in(sections)} if above else set()
+    known = [space for space in above if not agents or space in agents]
+    return [space for space in known if has_craft(sections, nodes_in(sections, space))]
 
 
 def has_plant(sections: Sections, namespace: str) -> bool:

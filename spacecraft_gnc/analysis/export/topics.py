@@ -16,7 +16,7 @@ from spacecraft_gnc.recording.bag import Bag, open_bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
 from spacecraft_gnc.recording.steps import namespace_topics
 from spacecraft_gnc.signals.signal import Signal
-from spacecraft_gnc.vehicles.known_signals import every_signal, signal_of
+from spacecraft_gnc.vehicles.known_signals import every_signal, signal_of, state_signals
 
 STEP: Final = "step"
 STAMP: Final = "stamp"
@@ -124,7 +124,7 @@ def read_export(
         If the bag cannot be read, or a topic was not recorded or carries no step.
     """
     with open_bag(path, allow_unfinished=allow_unfinished) as bag:
-        recorded = namespace_topics(bag, namespace)
+        recorded = namespace_topics(bag, namespace, state_signals())
         known = _stepped(bag, recorded)
         _require(path, [name.strip("/") for name in names], known)
         wanted = [name for name in known if not names or name in {n.strip("/") for n in names}]
@@ -155,7 +155,14 @@ def _stepped(bag: Bag, recorded: Mapping[str, str]) -> dict[str, Signal]:
         if bag.is_stepped(topic)
     }
     told = [name for name, signal in found.items() if signal.publishers or not signal.fields]
-    return {name: found[name] for name in sorted(told, key=lambda n: order.get(found[n], 99))}
+    told.sort(key=lambda name: order.get(found[name], 99))
+    return {name: _of_its_craft(found[name], name) for name in told}
+
+
+def _of_its_craft(signal: Signal, name: str) -> Signal:
+    """Return the signal of the craft in whose namespace a topic stands, if it does."""
+    craft = name.rpartition("/")[0]
+    return signal.of(craft) if craft and (signal.of_craft or not signal.fields) else signal
 
 
 def _require(path: Path, names: Sequence[str], known: Iterable[str]) -> None:
