@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from spacecraft_gnc.plant.earth import J2
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.formation import hill
+from spacecraft_gnc.vehicles.formation import admissible, hill
 from spacecraft_gnc.vehicles.formation.dynamics import FormationMotion
 from spacecraft_gnc.vehicles.formation.lqr import formation_gain
-from spacecraft_gnc.vehicles.formation.orbit import mean_motion, orbital_period
+from spacecraft_gnc.vehicles.formation.orbit import mean_motion, samples_of_orbit
 from spacecraft_gnc.vehicles.formation.plant import FormationPlant
 from spacecraft_gnc.vehicles.formation.scenario import Scenario
 from spacecraft_gnc.vehicles.formation.trajectory import NaturalTrajectory
@@ -56,17 +54,12 @@ def motion(scenario: Scenario) -> FormationMotion:
 
 def initial_states(scenario: Scenario) -> Array:
     """Return the states (n, 6) at the start."""
-    p = scenario.plant
-    if p.initial_position.size:
-        return np.hstack([p.initial_position, p.initial_velocity])
-    ellipse = mean_motion(p.altitude), p.radial_semi_axis, samples(scenario)
-    start = p.initial_phase, p.initial_along_track_offset, p.initial_amplitude
-    return hill.start_states(*ellipse, *start)
+    return admissible.start(scenario.plant, samples(scenario))
 
 
 def samples(scenario: Scenario) -> int:
     """Return the control periods p of an orbit."""
-    return round(orbital_period(scenario.plant.altitude) / scenario.period)
+    return samples_of_orbit(scenario.plant.altitude, scenario.period)
 
 
 def trajectory(scenario: Scenario) -> NaturalTrajectory:

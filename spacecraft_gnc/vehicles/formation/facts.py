@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from spacecraft_gnc.vehicles.formation import admissible, hill
-from spacecraft_gnc.vehicles.formation.orbit import mean_motion, orbital_period
+from spacecraft_gnc.vehicles.formation.orbit import mean_motion, orbital_period, samples_of_orbit
 from spacecraft_gnc.vehicles.formation.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.formation.scenario import Scenario
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
@@ -23,7 +23,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
     """Return what a scenario would fly."""
     del expected
     p, g = scenario.plant, scenario.governor
-    samples, orbit = orbit_samples(scenario), orbital_period(p.altitude)
+    samples, orbit = samples_of_orbit(p.altitude, scenario.period), orbital_period(p.altitude)
     positions = admissible.start(p, samples)[:, :3]
     natural = hill.natural_states(mean_motion(p.altitude), p.radial_semi_axis, samples)
     away = np.linalg.norm(positions - natural[np.array(g.phase) % samples, :3], axis=1)
@@ -54,11 +54,6 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
             "max_communication_angle_deg_limit": p.max_communication_angle_deg,
         },
     )
-
-
-def orbit_samples(scenario: Scenario) -> int:
-    """Return the control steps of an orbit."""
-    return round(orbital_period(scenario.plant.altitude) / scenario.period)
 
 
 def _formation(p: PlantParameters, phases: tuple[int, ...], apart: admissible.Nearest) -> str:

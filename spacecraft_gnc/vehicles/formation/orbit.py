@@ -19,3 +19,8 @@ def mean_motion(altitude: float) -> float:
 def orbital_period(altitude: float) -> float:
     """Return the period [s] of that orbit; 5492.29 s at 350 km."""
     return 2.0 * math.pi / mean_motion(altitude)
+
+
+def samples_of_orbit(altitude: float, control_period: float) -> int:
+    """Return the control periods [s] of that orbit, to the nearest whole number."""
+    return round(orbital_period(altitude) / control_period)
