@@ -69,3 +69,31 @@ def start(natural, phases=PHASES, offsets=OFFSETS, amplitudes=AMPLITUDES):
     ])  # fmt: skip
     states[:, 1] += offsets
     return states
+
+
+def flown_limits(problem, flight, lost=()):
+    """Return the largest delta-v, least separation and largest angle [rad] of a flight.
+
+    Measured craft by craft from states, delta-v and shifts; no angle is asked of ``lost`` craft.
+    """
+    fast, near, wide = 0.0, math.inf, 0.0
+    craft = range(problem.n_craft)
+    for k, (states, pushes, shifts) in enumerate(
+        zip(flight.states, flight.delta_v, flight.shifts, strict=True)
+    ):
+        told = [
+            problem.natural[(k + problem.phases[i] + shifts[i]) % problem.samples] for i in craft
+        ]
+        fast = max(fast, *(float(np.linalg.norm(push)) for push in pushes))
+        for i in craft:
+            for j in range(i):
+                apart, wanted = states[i, :3] - states[j, :3], told[i][:3] - told[j][:3]
+                near = min(near, float(np.linalg.norm(apart)))
+                if not {i, j} & set(lost):
+                    wide = max(wide, angle_between(apart, wanted))
+    return fast, near, wide
+
+
+def angle_between(u, v):
+    """Return the angle between two vectors, exact also near 0 and pi [rad]."""
+    return math.atan2(float(np.linalg.norm(np.cross(u, v))), float(u @ v))

@@ -12,16 +12,16 @@ from spacecraft_gnc._kernels import kernel
 
 
 @kernel
-def cheapest(able, masks, apart, counted, cost, is_complete, shifts):
+def cheapest(able, masks, apart, counted, cost, bound, shifts):
     """Least J of the admissible combinations, and their number; sets ``shifts`` (n,).
 
     able (n, p), masks (n, n, p, p); apart (p, p): W of a pair; counted (n,): craft in W; cost
-    (n, p): Omega of each. Not ``is_complete``: branches that cannot be cheaper are left out, and
-    not counted. Infinity if there is none.
+    (n, p): Omega of each. With a finite ``bound`` only what is cheaper is looked for and counted.
+    Returns the bound, and leaves ``shifts``, if there is none.
     """
     n, p = able.shape
     at, before = np.full(n, -1), np.zeros(n)
-    best, count, level = np.inf, 0, 0
+    best, count, level, is_complete = bound, 0, 0, bound == np.inf
     while level >= 0:
         at[level] += 1
         a = at[level]
@@ -81,3 +81,54 @@ def least_violating(single, double, apart, counted, cost, able, shifts):
         best, price = worst, total
         shifts[:] = at
     return best
+
+
+@kernel
+def nearest(able, masks, apart, counted, cost, phases, distances, most, shifts):
+    """Least distance, at most ``most``, of the admissible combinations; -1 if there is none.
+
+    distances (c,): of the class of each formation of the ``counted`` craft, -1: none. Sets
+    ``shifts`` (n,), of equally near ones the cheapest.
+    """
+    n, p = able.shape
+    at, before = np.full(n, -1), np.zeros(n)
+    best, price, level = most + 1, np.inf, 0
+    while level >= 0:
+        at[level] += 1
+        a = at[level]
+        if a == p:
+            level -= 1
+            continue
+        if not able[level, a]:
+            continue
+        total, fits = before[level] + cost[level, a], True
+        for i in range(level):
+            if not masks[i, level, at[i], a]:
+                fits = False
+                break
+            if counted[i] and counted[level]:
+                total += apart[at[i], a]
+        if not fits:
+            continue
+        if level < n - 1:
+            level += 1
+            before[level], at[level] = total, -1
+            continue
+        far = distances[class_of(at, counted, phases, p)]
+        if far >= 0 and (far < best or (far == best and total < price)):
+            best, price = far, total
+            shifts[:] = at
+    return best if best <= most else -1
+
+
+@kernel
+def class_of(shifts, counted, phases, p):
+    """Class of the formation of the ``counted`` craft: the digits of `_passage_kernels`."""
+    number, first = 0, -1
+    for i in range(shifts.shape[0]):
+        if counted[i] and first < 0:
+            first = i
+        elif counted[i]:
+            ahead = phases[i] + shifts[i] - phases[first] - shifts[first]
+            number = number * p + ahead % p
+    return number

@@ -12,8 +12,8 @@ import numpy as np
 
 from spacecraft_gnc._kernels import kernel
 
-BLOCK = 25  # instants tested between two looks whether any failed
-NO_ANGLE = -2.0  # cosine of the limit where there is none
+BLOCK = 16  # instants tested between two looks whether any failed
+NO_ANGLE = -4.0  # c |c| of a cosine that every angle keeps
 
 
 @kernel
@@ -80,20 +80,26 @@ def keeps_apart(u, w, least):
 
 @kernel
 def keeps_both(u, w, path, s, z, least, cosine):
-    """Whether two craft keep distance and angle; s, z: first columns of ``path`` of each."""
+    """Whether two craft keep distance and angle; s, z: first columns of ``path`` of each.
+
+    ``cosine`` is c |c| of the limit's cosine c: x |x| grows with x, which saves the root of the
+    lengths. Slices start at 0, so that the compiler sees that no index is negative.
+    """
     r = u.shape[1]
     for begin in range(0, r, BLOCK):
+        end = min(begin + BLOCK, r)
+        ux, uy, uz = u[0, begin:end], u[1, begin:end], u[2, begin:end]
+        wx, wy, wz = w[0, begin:end], w[1, begin:end], w[2, begin:end]
+        sx, sy, sz = path[0, s + begin :], path[1, s + begin :], path[2, s + begin :]
+        zx, zy, zz = path[0, z + begin :], path[1, z + begin :], path[2, z + begin :]
         failed = 0
-        for q in range(begin, min(begin + BLOCK, r)):
-            dx, dy, dz = u[0, q] - w[0, q], u[1, q] - w[1, q], u[2, q] - w[2, q]
-            cx = path[0, s + q] - path[0, z + q]
-            cy = path[1, s + q] - path[1, z + q]
-            cz = path[2, s + q] - path[2, z + q]
+        for q in range(end - begin):
+            dx, dy, dz = ux[q] - wx[q], uy[q] - wy[q], uz[q] - wz[q]
+            cx, cy, cz = sx[q] - zx[q], sy[q] - zy[q], sz[q] - zz[q]
             d2 = dx * dx + dy * dy + dz * dz
             c2 = cx * cx + cy * cy + cz * cz
             along = dx * cx + dy * cy + dz * cz
-            failed += d2 < least
-            failed += along < cosine * math.sqrt(d2 * c2)
+            failed += (d2 < least) | (along * abs(along) < cosine * (d2 * c2))
         if failed > 0:
             return False
     return True
@@ -158,3 +164,39 @@ def pair_extremes(k, theta, m, natural, path, positions, nearest, near_at, cosin
                         cosine[i, j, a, b],
                         wide_at[i, j, a, b],
                     ) = extremes(positions[i, a], positions[j, b], path, s, z)
+
+
+@kernel
+def first_failure(u, w, path, s, z, least, cosine, is_drifting):
+    """First instant at which a pair fails, the number of instants if it never does.
+
+    Arguments as of `keeps_both`; ``is_drifting``: of the distance alone.
+    """
+    for q in range(u.shape[1]):
+        dx, dy, dz = u[0, q] - w[0, q], u[1, q] - w[1, q], u[2, q] - w[2, q]
+        cx = path[0, s + q] - path[0, z + q]
+        cy = path[1, s + q] - path[1, z + q]
+        cz = path[2, s + q] - path[2, z + q]
+        d2 = dx * dx + dy * dy + dz * dz
+        along = dx * cx + dy * cy + dz * cz
+        c2 = cx * cx + cy * cy + cz * cz
+        if d2 < least or (not is_drifting and along * abs(along) < cosine * (d2 * c2)):
+            return q
+    return u.shape[1]
+
+
+@kernel
+def pair_failures(k, theta, m, path, positions, able, lost, least, cosine, until):
+    """Set ``until`` (n, n, p, p), i < j, to the `first_failure` of each pair of ``able`` shifts."""
+    n, p = able.shape
+    for i in range(n):
+        for j in range(i + 1, n):
+            for a in range(p):
+                s = ((k + theta[i] + a) % p) * m
+                for b in range(p):
+                    if able[i, a] and able[j, b] and not (lost[i] and lost[j]):
+                        z = ((k + theta[j] + b) % p) * m
+                        until[i, j, a, b] = first_failure(
+                            positions[i, a], positions[j, b], path, s, z, least, cosine,
+                            lost[i] or lost[j],
+                        )  # fmt: skip

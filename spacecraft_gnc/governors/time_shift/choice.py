@@ -7,6 +7,7 @@ the sum over craft and steps of the horizon of e . Q e + dv . R dv.
 from __future__ import annotations
 
 import math
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -24,27 +25,30 @@ class Choice(NamedTuple):
     n_admissible: int
     """Combinations that keep every constraint."""
     violation: float
-    """Largest excess over a limit, as a share of it; 0 for an admissible one."""
+    """Largest excess over a limit, as a share of it; 0 for an admissible one, NaN: not known."""
+    cost: float
+    """J = W + Omega; NaN where it was not the criterion."""
 
 
 def cheapest(predictor: Predictor, prediction: Prediction) -> Choice | None:
     """Return the admissible combination of least J; None if none is admissible."""
     shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
-    counted = ~prediction.lost
     best, count = kernels.cheapest(
-        prediction.able, prediction.pairs, predictor.apart, counted, prediction.cost, True, shifts
-    )
-    return Choice(shifts, int(count), 0.0) if math.isfinite(best) else None
-
-
-def wished_for(predictor: Predictor, prediction: Prediction) -> Integers:
-    """Return the combination (n,) of least J whether admissible or not."""
-    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
-    kernels.cheapest(
-        _selectable(prediction), np.ones_like(prediction.pairs), predictor.apart,
-        ~prediction.lost, prediction.cost, False, shifts,
+        prediction.able, prediction.pairs, predictor.apart, ~prediction.lost, prediction.cost,
+        math.inf, shifts,
     )  # fmt: skip
-    return shifts
+    return Choice(shifts, int(count), 0.0, float(best)) if math.isfinite(best) else None
+
+
+def wished_for(predictor: Predictor, prediction: Prediction, chosen: Choice) -> Integers | None:
+    """Return the combination (n,) of least J, admissible or not; None if it is the chosen one."""
+    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
+    bound = chosen.cost if chosen.violation == 0.0 else sys.float_info.max
+    best, _ = kernels.cheapest(
+        _selectable(prediction), np.ones_like(prediction.pairs), predictor.apart,
+        ~prediction.lost, prediction.cost, bound, shifts,
+    )  # fmt: skip
+    return shifts if best < bound else None
 
 
 def least_violating(predictor: Predictor, prediction: Prediction) -> Choice:
@@ -64,7 +68,39 @@ def least_violating(predictor: Predictor, prediction: Prediction) -> Choice:
         np.maximum(single, 0.0), np.maximum(double, 0.0), predictor.apart, ~prediction.lost,
         prediction.cost, _selectable(prediction), shifts,
     )  # fmt: skip
-    return Choice(shifts, 0, float(worst))
+    return Choice(shifts, 0, float(worst), math.nan)
+
+
+def longest_kept(predictor: Predictor, prediction: Prediction) -> Choice | None:
+    """Return the combination that keeps every constraint the longest, of equals the cheapest.
+
+    None if a craft cannot keep its delta-v under any shift.
+    """
+    if not prediction.able.any(axis=1).all():
+        return None
+    until = predictor.kept_until(prediction)
+    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
+    early = (until.max(initial=0) - until).astype(np.float64)
+    kernels.least_violating(
+        np.zeros_like(prediction.cost), early, predictor.apart, ~prediction.lost,
+        prediction.cost, prediction.able, shifts,
+    )  # fmt: skip
+    return Choice(shifts, 0, math.nan, math.nan)
+
+
+def nearest(
+    predictor: Predictor, prediction: Prediction, distances: Integers, most: int
+) -> Choice | None:
+    """Return the admissible combination of least distance, at most ``most``; None if none is.
+
+    ``distances`` (c,) are those of `Passages` for the craft that are not lost.
+    """
+    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
+    found = kernels.nearest(
+        prediction.able, prediction.pairs, predictor.apart, ~prediction.lost, prediction.cost,
+        predictor.problem.phases, distances, most, shifts,
+    )  # fmt: skip
+    return None if found < 0 else Choice(shifts, -1, 0.0, math.nan)
 
 
 def cost_of(predictor: Predictor, prediction: Prediction, shifts: Integers) -> tuple[float, float]:

@@ -18,9 +18,11 @@ class Answer(IntEnum):
     """The admissible combination of least cost."""
     HELD = 1
     """None is admissible: the last shifts."""
-    LEAST_VIOLATING = 2
-    """None is admissible, and there are no last shifts or a craft is lost: least excess."""
-    PASSAGE = 3
+    LONGEST_KEPT = 2
+    """None is admissible after the loss of a craft: that which keeps every constraint longest."""
+    LEAST_VIOLATING = 3
+    """Nor can each craft keep its delta-v, or nothing can be held: that of the least excess."""
+    PASSAGE = 4
     """On the way out of a deadlock, by way of other parked formations."""
 
 
@@ -39,9 +41,9 @@ class TimeShiftDecision(NamedTuple):
     """Combinations that keep every constraint; -1 where they were not counted."""
     n_candidates: int
     """Combinations there are."""
-    margin: Margin
+    margin: Margin | None
     """Constraint with the least room along the prediction under the shifts; negative share: it is
-    exceeded, by this much."""
+    exceeded, by this much. None with all craft lost."""
     refused: Margin | None
     """Constraint that the cheapest combination of all would exceed the most; None if the shifts
     are that combination."""
@@ -70,7 +72,7 @@ class TimeShiftDecision(NamedTuple):
     @property
     def is_admissible(self) -> bool:
         """Whether every constraint is kept along the prediction."""
-        return self.margin.is_kept
+        return self.margin is None or self.margin.is_kept
 
 
 NO_RESPONSE = math.nan

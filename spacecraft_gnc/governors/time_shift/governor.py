@@ -18,9 +18,11 @@ from spacecraft_gnc.arrays import as_finite
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.governors.time_shift import choice
 from spacecraft_gnc.governors.time_shift.choice import Choice
+from spacecraft_gnc.governors.time_shift.deadlock import DeadlockWatch
 from spacecraft_gnc.governors.time_shift.decision import NO_RESPONSE, Answer, TimeShiftDecision
 from spacecraft_gnc.governors.time_shift.margins import Margin
 from spacecraft_gnc.governors.time_shift.monitor import CraftMonitor
+from spacecraft_gnc.governors.time_shift.passages import NO_PASSAGE
 from spacecraft_gnc.governors.time_shift.prediction import Prediction, Predictor
 from spacecraft_gnc.governors.time_shift.problem import Integers, TimeShiftProblem
 from spacecraft_gnc.types import Array
@@ -38,6 +40,8 @@ class TimeShiftGovernor:
         Distance from the commanded positions at which a formation is taken as reached [m].
     patience : int
         Steps after which unchanged shifts of a reached, undesired formation are a deadlock.
+    resolves_deadlocks : bool
+        Whether a passage leads out of a deadlock; else it is only published.
     monitor : CraftMonitor, optional
         Notices craft that no longer answer; None: one with its defaults.
     """
@@ -48,32 +52,38 @@ class TimeShiftGovernor:
         *,
         formed_within: float = 10.0,
         patience: int = 5,
+        resolves_deadlocks: bool = True,
         monitor: CraftMonitor | None = None,
     ) -> None:
         self.problem = require_kind("problem", problem, TimeShiftProblem)
         self.formed_within = require_positive("formed_within", formed_within)
-        self.patience = as_count("patience", patience)
         self._predictor = Predictor(problem)
+        self._watch = DeadlockWatch(
+            self._predictor, as_count("patience", patience), resolves=resolves_deadlocks
+        )
         self._monitor = CraftMonitor(problem) if monitor is None else monitor
         self.reset()
 
     def reset(self) -> None:
         """Forget the last shifts, all that was observed, and any deadlock."""
         self._monitor.reset()
+        self._watch.reset()
         self._shifts: Integers | None = None
         self._last: tuple[int, Array, Array] | None = None
-        self._parked_for = 0
 
     def warm_up(self) -> None:
-        """Compile, or load, everything that a step calls."""
-        n = self.problem.n_craft
+        """Compile, or load, everything that a step calls, and search the passages."""
+        self._watch.warm_up()
+        n, p = self.problem.n_craft, self.problem.samples
         states = self.problem.commanded(0, np.arange(n))
-        lost = np.zeros(n, dtype=np.bool_)
-        for gone in (lost, ~lost):
-            prediction = self._predictor.predict(0, states, np.zeros(n, dtype=np.int64), gone)
+        nowhere = np.full(p ** (n - 1), NO_PASSAGE)
+        for lost in (np.zeros(n, dtype=np.bool_), np.arange(n) == 0):
+            prediction = self._predictor.predict(0, states, np.zeros(n, dtype=np.int64), lost)
             choice.cheapest(self._predictor, prediction)
-            choice.wished_for(self._predictor, prediction)
-            choice.least_violating(self._predictor, prediction)
+            choice.longest_kept(self._predictor, prediction)
+            choice.nearest(self._predictor, prediction, nowhere, 0)
+            found = choice.least_violating(self._predictor, prediction)
+            choice.wished_for(self._predictor, prediction, found)
 
     def decide(self, step: int, states: object, applied: object | None = None) -> TimeShiftDecision:
         """Return the shifts of a step.
@@ -116,11 +126,19 @@ class TimeShiftGovernor:
         return tuple(self._monitor.observe(before, by_law if asked is None else asked, x).tolist())
 
     def _choose(self, prediction: Prediction) -> tuple[Choice, Answer]:
+        if self._shifts is not None:
+            way_out = self._watch.way_out(prediction, self._shifts)
+            if way_out is not None:
+                return way_out, Answer.PASSAGE
         found = choice.cheapest(self._predictor, prediction)
         if found is not None:
             return found, Answer.OPTIMAL
         if self._shifts is not None and not prediction.lost.any():
-            return Choice(self._shifts, 0, math.nan), Answer.HELD
+            return Choice(self._shifts, 0, math.nan, math.nan), Answer.HELD
+        if prediction.lost.any():
+            longest = choice.longest_kept(self._predictor, prediction)
+            if longest is not None:
+                return longest, Answer.LONGEST_KEPT
         return choice.least_violating(self._predictor, prediction), Answer.LEAST_VIOLATING
 
     def _decision(
@@ -134,10 +152,10 @@ class TimeShiftGovernor:
         problem, shifts = self.problem, chosen.shifts
         shift_cost, state_cost = choice.cost_of(self._predictor, prediction, shifts)
         error = self._error(prediction, x, shifts)
-        is_at_rest = error < self.formed_within
-        is_equal = shift_cost == 0.0
+        arrived = error < self.formed_within
         held = self._shifts is not None and np.array_equal(shifts, self._shifts)
-        self._parked_for = self._parked_for + 1 if held and is_at_rest and not is_equal else 0
+        self._watch.notice(prediction, shifts, held=held, arrived=arrived)
+        is_stuck = self._watch.is_deadlocked and shift_cost > 0.0
         return TimeShiftDecision(
             step=prediction.step,
             shifts=shifts,
@@ -147,12 +165,12 @@ class TimeShiftGovernor:
             n_admissible=chosen.n_admissible,
             n_candidates=problem.samples ** int(np.count_nonzero(~prediction.lost)),
             margin=self._least(prediction, shifts),
-            refused=self._refused(prediction, shifts),
+            refused=self._refused(prediction, chosen),
             error=error,
-            formed=is_equal and is_at_rest,
-            deadlocked=self._parked_for >= self.patience,
-            waypoint=_NONE,
-            waypoints_left=0,
+            formed=shift_cost == 0.0 and arrived and not prediction.lost.all(),
+            deadlocked=is_stuck,
+            waypoint=shifts if answer == Answer.PASSAGE else _NONE,
+            waypoints_left=self._watch.left(shifts) if is_stuck else 0,
             lost=prediction.lost,
             response=response,
         )
@@ -162,12 +180,13 @@ class TimeShiftGovernor:
         away = (x - self.problem.commanded(prediction.step, shifts))[~prediction.lost, :3]
         return float(np.sqrt(np.einsum("ij,ij->i", away, away)).max(initial=0.0))
 
-    def _least(self, prediction: Prediction, shifts: Integers) -> Margin:
-        return min(self._predictor.margins(prediction, shifts), key=lambda found: found.share)
+    def _least(self, prediction: Prediction, shifts: Integers) -> Margin | None:
+        found = self._predictor.margins(prediction, shifts)
+        return min(found, key=lambda margin: margin.share) if found else None
 
-    def _refused(self, prediction: Prediction, shifts: Integers) -> Margin | None:
-        wish = choice.wished_for(self._predictor, prediction)
-        return None if np.array_equal(wish, shifts) else self._least(prediction, wish)
+    def _refused(self, prediction: Prediction, chosen: Choice) -> Margin | None:
+        wish = choice.wished_for(self._predictor, prediction, chosen)
+        return None if wish is None else self._least(prediction, wish)
 
 
 def require_admissible(problem: TimeShiftProblem, states: object) -> None:

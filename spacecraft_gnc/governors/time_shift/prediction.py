@@ -87,8 +87,8 @@ class Predictor:
         columns = np.arange(p * m + horizon * m) % (p * m)
         self.path = read_only(np.ascontiguousarray(around[columns].T))
         self.apart = read_only(problem.shift_weight * shift_distance(p) ** 2)
-        limit = problem.max_angle
-        self._cosine = kernels.NO_ANGLE if limit == math.pi else math.cos(limit)
+        limit = math.cos(problem.max_angle)
+        self.cosine = kernels.NO_ANGLE if problem.max_angle == math.pi else limit * abs(limit)
 
     def predict(self, step: int, states: Array, shifts: Integers, lost: Mask) -> Prediction:
         """Predict from the states (n, 6).
@@ -113,7 +113,7 @@ class Predictor:
         pairs = np.zeros((n, n, p, p), dtype=np.bool_)
         kernels.pair_masks(
             step, problem.phases, problem.substeps, problem.natural, self.path, positions, able,
-            lost, problem.min_separation**2, self._cosine, pairs,
+            lost, problem.min_separation**2, self.cosine, pairs,
         )  # fmt: skip
         return Prediction(step, able, pairs, cost, positions, delta_v, ahead, lost.copy())
 
@@ -131,6 +131,20 @@ class Predictor:
         )  # fmt: skip
         self._forgive(prediction.lost, found)
         return found
+
+    def kept_until(self, prediction: Prediction) -> Integers:
+        """Return the instants (n, n, p, p) at which each pair i < j first fails, r for never.
+
+        Of shifts under which both keep their delta-v; of others 0.
+        """
+        problem, (n, p) = self.problem, prediction.able.shape
+        until = np.zeros((n, n, p, p), dtype=np.int64)
+        until[np.ix_(prediction.lost, prediction.lost)] = self.rows.shape[2]
+        kernels.pair_failures(
+            prediction.step, problem.phases, problem.substeps, self.path, prediction.positions,
+            prediction.able, prediction.lost, problem.min_separation**2, self.cosine, until,
+        )  # fmt: skip
+        return until
 
     def margins(self, prediction: Prediction, shifts: Integers) -> tuple[Margin, ...]:
         """Return the margins of all constraints along the prediction of one combination."""

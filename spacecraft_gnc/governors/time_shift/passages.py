@@ -1,0 +1,89 @@
+"""Passages: ways from any parked formation to the desired one, a transition at a time.
+
+Parked, all craft are on the natural motion. Which formation they are in, up to time, is a class:
+the differences of their places to the first craft's. An edge leads from one class to another where
+at some instant of the period one new combination of shifts, held, takes the craft over with every
+constraint of the problem kept. The graph of all classes is searched once, from the desired
+formation backward; it gives the number of transitions still needed from each class. The governor
+then goes on to a class with fewer whenever the real state admits one. Nothing is relaxed.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.governors.time_shift import _choice_kernels, _passage_kernels
+from spacecraft_gnc.governors.time_shift.prediction import Mask, Predictor
+from spacecraft_gnc.governors.time_shift.problem import Integers
+
+_MOST_CLASSES: Final = 10_000  # of which each may have an edge to each: 100 MB
+_MOST_PAIRS: Final = 10**8  # pairs of transitions of two craft: likewise
+_MOST_WORK: Final = 10**11  # places before and after of all craft together
+
+NO_PASSAGE: Final = -1
+"""Distance of a class from which no passage leads to the desired formation."""
+
+
+class Passages:
+    """Distances of parked formations from the desired one, in transitions.
+
+    Parameters
+    ----------
+    predictor : Predictor
+    lost : (n,) array of bool
+        Craft that are left out.
+
+    Attributes
+    ----------
+    distances : (p^(n - 1),) array of int
+        Transitions from each class; `NO_PASSAGE` where there is none.
+    """
+
+    def __init__(self, predictor: Predictor, lost: Mask) -> None:
+        problem = predictor.problem
+        self._counted, self._phases, self._p = ~lost, problem.phases, problem.samples
+        n = int(np.count_nonzero(self._counted))
+        count = self._p ** max(n - 1, 0)
+        self.distances: Integers = np.full(count, NO_PASSAGE, dtype=np.int64)
+        if is_searchable(self._p, n):
+            goal = self._class_of(np.zeros(problem.n_craft, dtype=np.int64))
+            edges = _edges(predictor, n, count)
+            _passage_kernels.count_transitions(edges, goal, self.distances)
+
+    def distance(self, shifts: Integers) -> int:
+        """Return the transitions needed from a formation with these shifts (of all craft)."""
+        return int(self.distances[self._class_of(shifts)])
+
+    def _class_of(self, shifts: Integers) -> int:
+        return int(_choice_kernels.class_of(shifts, self._counted, self._phases, self._p))
+
+
+def is_searchable(p: int, n: int) -> bool:
+    """Tell whether the graph of n craft with p shifts each is small enough to be searched."""
+    return (
+        n >= 2
+        and p ** (n - 1) <= _MOST_CLASSES
+        and p**4 <= _MOST_PAIRS
+        and p ** (2 * n) <= _MOST_WORK
+    )
+
+
+def _edges(predictor: Predictor, n: int, count: int) -> NDArray[np.uint8]:
+    problem, p = predictor.problem, predictor.problem.samples
+    able = np.zeros((p, p), dtype=np.bool_)
+    positions = np.empty((p, p, 3, predictor.rows.shape[2]))
+    joint = np.zeros((p, p, p, p), dtype=np.uint8)
+    edges = np.zeros((count, count), dtype=np.uint8)
+    _passage_kernels.transfers(
+        problem.natural, predictor.path, problem.substeps, predictor.pushes, predictor.rows,
+        problem.max_delta_v**2, able, positions,
+    )  # fmt: skip
+    _passage_kernels.joint_transfers(
+        able, positions, predictor.path, problem.substeps, problem.min_separation**2,
+        predictor.cosine, joint,
+    )  # fmt: skip
+    _passage_kernels.mark_edges(joint, able, n, edges)
+    return edges

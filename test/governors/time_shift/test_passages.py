@@ -1,0 +1,82 @@
+"""The graph of parked formations, against an enumeration of every combination with plain NumPy."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import formations
+import numpy as np
+import pytest
+from enumerated_shifts import enumerate_all
+
+from spacecraft_gnc.governors.time_shift.passages import (
+    NO_PASSAGE,
+    Passages,
+    is_searchable,
+)
+from spacecraft_gnc.governors.time_shift.prediction import Predictor
+
+P = 8
+NO_LOSS = np.zeros(3, dtype=bool)
+
+
+@pytest.fixture(scope="module")
+def problem():
+    return formations.problem(
+        p=P, phases=(0, 3, 5), horizon=16, min_separation=700.0, max_angle=math.radians(70.0)
+    )
+
+
+def classes():
+    return list(itertools.product(range(P), repeat=2))
+
+
+def led_to(problem, parked):
+    """Return the classes that one transition leads to from shifts (0, a, b), by enumeration."""
+    reached, shifts = set(), np.array([0, *parked])
+    for k in range(P):
+        every = enumerate_all(problem, k, problem.commanded(k, shifts))
+        if not every.admissible[tuple(shifts)]:
+            return set()  # not a formation to park in
+        found = np.argwhere(every.admissible)
+        reached |= {((b - a) % P, (c - a) % P) for a, b, c in found.tolist()}
+    return reached
+
+
+def test_transitions_are_those_of_the_enumeration(problem):
+    edges = {parked: led_to(problem, parked) for parked in classes()}
+    far, border = {(0, 0): 0}, {(0, 0)}
+    while border:
+        border = {c for c in classes() if c not in far and edges[c] & border}
+        far |= {c: max(far.values()) + 1 for c in border}
+    passages = Passages(Predictor(problem), NO_LOSS)
+    found = {c: passages.distance(np.array([0, *c])) for c in classes()}
+    assert found == {c: far.get(c, NO_PASSAGE) for c in classes()}
+    assert {0, 1, 2, 3, NO_PASSAGE} <= set(found.values())
+
+
+def test_a_common_shift_makes_no_difference(problem):
+    passages = Passages(Predictor(problem), NO_LOSS)
+    for parked in classes():
+        shifts = np.array([0, *parked])
+        distances = {passages.distance((shifts + common) % P) for common in range(P)}
+        assert len(distances) == 1
+
+
+def test_a_lost_craft_is_left_out(problem):
+    lost = np.array([False, True, False])
+    passages = Passages(Predictor(problem), lost)
+    assert len(passages.distances) == P
+    assert passages.distance(np.array([2, 7, 2])) == 0
+    assert passages.distance(np.array([0, 0, 1])) != 0
+
+
+def test_graphs_too_large_are_not_searched():
+    assert is_searchable(50, 3)
+    assert not is_searchable(50, 4)
+    assert not is_searchable(200, 3)
+    problem = formations.problem(p=10, phases=(0, 2, 5, 7), horizon=2)
+    assert not is_searchable(500, 2)
+    lost = np.array([True, True, True, False])
+    assert Passages(Predictor(problem), lost).distance(np.zeros(4, dtype=np.int64)) == NO_PASSAGE
