@@ -113,18 +113,21 @@ def _topics_by_namespace(bag: Bag, leads: Collection[Signal]) -> dict[str, set[s
     return found
 
 
-def craft_in(bag: Bag, signal: Signal, namespace: str | None = None) -> tuple[str, ...]:
+def craft_in(
+    bag: Bag, signal: Signal, lead: Signal, namespace: str | None = None
+) -> tuple[str, ...]:
     """Return the craft of a flight of which a bag has a signal that each of them has, sorted.
 
-    Their names are relative to the namespace of the flight, as `Signal.of` takes them. The order is
-    that of the alphabet; where the scenario is known, it is `scenario.craft.craft_of` that counts.
+    The flight is found by its leading signal, as in `flight_topics`. Their names are relative to
+    the flight's namespace, as `Signal.of` takes them. Where the scenario is known, it is the order
+    of `scenario.craft.craft_of` that counts.
 
     Raises
     ------
     RecordingError
         If the bag holds no flight, or several.
     """
-    prefix, name = f"{flight_namespace(bag, namespace)}/", f"/{signal.name}"
+    prefix, name = f"{flight_namespace(bag, namespace, [lead])}/", f"/{signal.name}"
     own = (topic for topic in bag.topics if topic.startswith(prefix) and topic.endswith(name))
     return tuple(sorted(topic.removeprefix(prefix).removesuffix(name) for topic in own))
 
