@@ -19,11 +19,13 @@ class Answer(IntEnum):
     OPTIMAL = 0
     HELD = 1
     """No shifts are admissible: the last ones are held."""
-    LEAST_VIOLATION = 2
-    """No shifts are admissible: those that miss the constraints least."""
-    PASSAGE = 3
-    """Those of the next parked formation on the way out of a deadlock."""
-    PASSED = 4
+    LONGEST_KEPT = 2
+    """None are after the loss of a craft: those that keep every constraint longest."""
+    LEAST_VIOLATING = 3
+    """Nor can each craft keep its delta-v, or nothing can be held: those of the least excess."""
+    PASSAGE = 4
+    """On the way out of a deadlock, by way of other parked formations."""
+    PASSED = 5
     """There is no governor: no shifts."""
 
 

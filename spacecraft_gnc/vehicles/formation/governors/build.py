@@ -33,7 +33,10 @@ def time_shift(scenario: Scenario) -> FormationGovernor:
     """
     problem = time_shift_problem(scenario)
     _require_admissible(scenario, problem)
-    governor = TimeShiftGovernor(problem, formed_within=scenario.governor.formed_error)
+    g = scenario.governor
+    governor = TimeShiftGovernor(
+        problem, formed_within=g.formed_error, resolves_deadlocks=g.resolves_deadlocks
+    )
     return FormationGovernor(trajectory(scenario), governor, scenario.plant.spacecraft)
 
 
