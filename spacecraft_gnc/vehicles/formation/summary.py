@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.formation.scenario import Scenario
 
 _QUANTILES: Final = {"median": 0.5, "p99": 0.99, "max": 1.0}
-_WITHOUT: Final = (Answer.HELD, Answer.LEAST_VIOLATION)
+_WITHOUT: Final = (Answer.HELD, Answer.LONGEST_KEPT, Answer.LEAST_VIOLATING)
 """Answers of steps at which no shifts were admissible."""
 
 

@@ -112,7 +112,7 @@ def test_a_deadlock_is_told_with_the_way_out():
 
 def test_steps_without_admissible_shifts_are_counted():
     status = np.zeros(STEPS, dtype=int)
-    status[:3] = [Answer.HELD, Answer.LEAST_VIOLATION, Answer.PASSED]
+    status[:3] = [Answer.HELD, Answer.LEAST_VIOLATING, Answer.PASSED]
     m = metrics(flight(status=status), scenario())
     assert m["inadmissible_steps"] == 2
     assert m["answers"] == {
@@ -147,7 +147,7 @@ def test_a_flight_of_which_nothing_was_recorded_has_no_metrics():
 
 
 def test_words_of_answers_and_lengths():
-    assert answer_name(Answer.LEAST_VIOLATION) == "least violation"
+    assert answer_name(Answer.LEAST_VIOLATING) == "least violating"
     assert answer_name(-1) == answer_name(len(Answer)) == "unknown"
     assert [length(x) for x in (1234.5, 3.25, 0.004, 2e-7, 0.0)] == [
         "1.234 km", "3.25 m", "4 mm", "0.2 um", "0 m"
