@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from spacecraft_gnc.scenario import from_sections
+from spacecraft_gnc.vehicles.formation.decision import Answer
 from spacecraft_gnc.vehicles.formation.flight import FormationFlight
 from spacecraft_gnc.vehicles.formation.geometry import communication_angles_deg, separations
 from spacecraft_gnc.vehicles.formation.orbit import orbital_period
@@ -97,8 +98,8 @@ def parked(n=STEPS, resolved=True):
     begun, way, end = n // 3, n // 2, 2 * n // 3
     flags[begun : way if resolved else n] = True
     if resolved:
-        status[way:end], shift[way:end] = 3, [5, 3, 1]
-        status[end : end + 5], shift[end:] = 3, [3, 3, 3]
+        status[way:end], shift[way:end] = Answer.PASSAGE, [5, 3, 1]
+        status[end : end + 5], shift[end:] = Answer.PASSAGE, [3, 3, 3]
     return flight(n, status=status, deadlocked=flags, time_shift=shift)
 
 

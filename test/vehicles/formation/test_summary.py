@@ -116,7 +116,7 @@ def test_steps_without_admissible_shifts_are_counted():
     m = metrics(flight(status=status), scenario())
     assert m["inadmissible_steps"] == 2
     assert m["answers"] == {
-        "optimal": 57, "held": 1, "least_violation": 1, "passage": 0, "passed": 1
+        "optimal": 57, "held": 1, "longest_kept": 0, "least_violating": 1, "passage": 0, "passed": 1
     }  # fmt: skip
 
 
