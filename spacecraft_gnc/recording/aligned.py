@@ -78,7 +78,7 @@ def at_steps(columns: Columns | None, column: Column, n: int) -> NDArray[Any]:
     shape = tuple(found.shape[1:]) if -1 in column.shape else column.shape
     array: NDArray[Any] = np.full((n + 1, *shape), column.missing, column.type)
     within = columns.steps <= n
-    array[columns.steps[within]] = found[within].reshape(-1, *shape)
+    array[columns.steps[within]] = found[within].reshape(int(within.sum()), *shape)
     return array[n] if column.at_end else array[:n]
 
 

@@ -1,0 +1,1 @@
+"""Audit of formation flights, by equations and an enumeration of its own."""
