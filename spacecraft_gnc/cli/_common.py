@@ -38,13 +38,17 @@ SetOption = Annotated[
 SpacecraftOption = Annotated[
     str | None,
     typer.Option(
-        "--namespace", metavar="NAME", help="Of the spacecraft, where the file names several."
+        "--namespace",
+        metavar="NAME",
+        help="Of the spacecraft, where the file names several; a craft's means its flight.",
     ),
 ]
 NamespaceOption = Annotated[
     str | None,
     typer.Option(
-        "--namespace", metavar="NAME", help="Of the spacecraft, where the bag holds several."
+        "--namespace",
+        metavar="NAME",
+        help="Of the spacecraft, where the bag holds several; a craft's means its flight.",
     ),
 ]
 JsonOption = Annotated[

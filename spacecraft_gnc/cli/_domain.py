@@ -25,7 +25,12 @@ DomainOption = Annotated[
 
 
 AgentOption = Annotated[
-    str, typer.Option("--namespace", metavar="NAME", help="Of the spacecraft, out of several.")
+    str,
+    typer.Option(
+        "--namespace",
+        metavar="NAME",
+        help="Of the spacecraft, out of several; a craft's means its flight.",
+    ),
 ]
 
 
