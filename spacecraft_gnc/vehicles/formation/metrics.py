@@ -98,7 +98,7 @@ def occurrences(flags: Bools) -> int:
 
 
 def passages(passing: Bools, shift: NDArray[np.int64]) -> int:
-    """Return the number of parked formations that were headed for on the way out of deadlocks.
+    """Return the number of steps to another parked formation on the way out of deadlocks.
 
     Parameters
     ----------
@@ -107,8 +107,8 @@ def passages(passing: Bools, shift: NDArray[np.int64]) -> int:
     shift : (n, m) array
         Shifts [control steps].
     """
-    other = np.append(True, (np.diff(shift, axis=0) != 0).any(axis=1))
-    return int(np.count_nonzero(passing & (other | ~np.append(False, passing[:-1]))))
+    changed = np.append(False, (np.diff(shift, axis=0) != 0).any(axis=1))
+    return int(np.count_nonzero(passing & changed))
 
 
 class Loss(NamedTuple):

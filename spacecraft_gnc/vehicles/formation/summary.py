@@ -57,7 +57,7 @@ def metrics(flight: FormationFlight, scenario: Scenario | None = None) -> dict[s
         ``craft_delta_v``, ``craft_max_delta_v`` [m/s], ``craft_final_error`` [m] and
         ``craft_min_separation`` [m] (to any other one), lists with a number for each craft;
         ``deadlocked`` (parked in another formation at the end), ``deadlocks`` (times that this
-        began), ``passages`` (parked formations headed for on the way out), ``inadmissible_steps``
+        began), ``passages`` (steps to another parked one on the way out), ``inadmissible_steps``
         (no shifts were admissible), ``answers`` (steps by name), ``min_margin`` (least room along
         the predictions, as a share of the limit); those of `metrics.Loss`; ``fallback_steps``,
         ``sources``, ``solve_time_median``, ``_p99``, ``_max`` [s] of the governor (None: not

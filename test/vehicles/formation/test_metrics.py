@@ -75,10 +75,10 @@ def test_a_deadlock_is_counted_each_time_that_it_begins():
     assert metrics.occurrences(np.zeros(4, dtype=bool)) == 0
 
 
-def test_each_parked_formation_on_the_way_is_a_passage():
+def test_each_step_to_another_parked_formation_is_a_passage():
     passing = np.array([False, True, True, True, False, True])
-    shift = np.array([[0, 9], [3, 9], [3, 9], [3, 3], [3, 3], [3, 3]])
-    assert metrics.passages(passing, shift) == 3
+    shift = np.array([[0, 9], [3, 9], [3, 9], [3, 3], [4, 3], [4, 3]])
+    assert metrics.passages(passing, shift) == 2
     assert metrics.passages(~ALL[:, 0], shift[:5]) == 0
 
 
