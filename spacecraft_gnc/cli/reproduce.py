@@ -43,7 +43,7 @@ PartOption = Annotated[
     typer.Option(
         "--only",
         metavar="PART",
-        help="One part of a paper: two_wheel or docking of afrl2016.  [default: all]",
+        help="One part of a paper: two_wheel, docking or formation of afrl2016.  [default: all]",
     ),
 ]
 RunsOption = Annotated[

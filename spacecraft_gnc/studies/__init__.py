@@ -23,7 +23,7 @@ PAPERS: Final = {
     "phogat": "spacecraft_gnc.studies.phogat",
 }
 """Name for the command line and module, in the order in which all of them are run."""
-PARTS: Final = {"afrl2016": ("two_wheel", "docking")}
+PARTS: Final = {"afrl2016": ("two_wheel", "docking", "formation")}
 """Parts of the papers that treat several spacecraft, in the order in which they are run."""
 
 
