@@ -27,6 +27,7 @@ class PassThroughGovernor(DesiredFormation):
         super().__init__(trajectory)
         self._formed_error = formed_error
         self._shift = np.zeros(len(trajectory.phases), dtype=np.int64)
+        self._lost = np.zeros(len(trajectory.phases), dtype=bool)
 
     def warm_up(self) -> None:
         """Nothing to load."""
@@ -39,4 +40,6 @@ class PassThroughGovernor(DesiredFormation):
         reference = self._trajectory.reference(state.step, self._shift)
         error = float(np.linalg.norm(state.position - reference.position, axis=1).max())
         formed = error < self._formed_error
-        return FormationDecision(reference, self.name, Answer.PASSED, error=error, formed=formed)
+        return FormationDecision(
+            reference, self.name, Answer.PASSED, error=error, lost=self._lost, formed=formed
+        )
