@@ -51,6 +51,19 @@ def cheapest(able, masks, apart, counted, cost, bound, shifts):
 
 
 @kernel
+def cost_of(shifts, apart, counted, cost):
+    """W and Omega of a combination (n,)."""
+    W, Omega = 0.0, 0.0
+    for j in range(shifts.shape[0]):
+        if counted[j]:
+            Omega += cost[j, shifts[j]]
+            for i in range(j):
+                if counted[i]:
+                    W += apart[shifts[i], shifts[j]]
+    return W, Omega
+
+
+@kernel
 def least_violating(single, double, apart, counted, cost, able, shifts):
     """Least largest violation of a combination; sets ``shifts`` (n,), of equal ones the cheapest.
 

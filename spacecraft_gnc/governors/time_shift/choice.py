@@ -105,9 +105,8 @@ def nearest(
 
 def cost_of(predictor: Predictor, prediction: Prediction, shifts: Integers) -> tuple[float, float]:
     """Return (W, Omega) of a combination."""
-    craft = np.flatnonzero(~prediction.lost)
-    apart = predictor.apart[np.ix_(shifts[craft], shifts[craft])]
-    return float(np.triu(apart, 1).sum()), float(prediction.cost[craft, shifts[craft]].sum())
+    W, Omega = kernels.cost_of(shifts, predictor.apart, ~prediction.lost, prediction.cost)
+    return float(W), float(Omega)
 
 
 def is_admissible(prediction: Prediction, shifts: Integers) -> bool:

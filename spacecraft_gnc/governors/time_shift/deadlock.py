@@ -70,13 +70,12 @@ class DeadlockWatch:
         return found
 
     def notice(
-        self, prediction: Prediction, shifts: Integers, *, held: bool, arrived: bool
+        self, lost: Mask, shifts: Integers, *, held: bool, arrived: bool, is_equal: bool
     ) -> None:
-        """Note the shifts (n,) of a step: ``held`` from the last one, craft ``arrived`` or not."""
-        if self._has_changed(prediction.lost):
+        """Note the shifts (n,) of a step: held from the last one, craft arrived, all equal."""
+        if self._has_changed(lost):
             self.reset()
-            self._lost = prediction.lost
-        is_equal = choice.cost_of(self._predictor, prediction, shifts)[0] == 0.0
+            self._lost = lost
         if self.is_deadlocked and self.left(shifts) != NO_PASSAGE:
             self.is_deadlocked = not (is_equal and arrived)
             return

@@ -84,6 +84,7 @@ class TimeShiftGovernor:
             choice.nearest(self._predictor, prediction, nowhere, 0)
             found = choice.least_violating(self._predictor, prediction)
             choice.wished_for(self._predictor, prediction, found)
+            choice.cost_of(self._predictor, prediction, found.shifts)
 
     def decide(self, step: int, states: object, applied: object | None = None) -> TimeShiftDecision:
         """Return the shifts of a step.
@@ -154,7 +155,9 @@ class TimeShiftGovernor:
         error = self._error(prediction, x, shifts)
         arrived = error < self.formed_within
         held = self._shifts is not None and np.array_equal(shifts, self._shifts)
-        self._watch.notice(prediction, shifts, held=held, arrived=arrived)
+        self._watch.notice(
+            prediction.lost, shifts, held=held, arrived=arrived, is_equal=shift_cost == 0.0
+        )
         is_stuck = self._watch.is_deadlocked and shift_cost > 0.0
         return TimeShiftDecision(
             step=prediction.step,
@@ -178,7 +181,7 @@ class TimeShiftGovernor:
     def _error(self, prediction: Prediction, x: Array, shifts: Integers) -> float:
         """Return the largest distance from the commanded positions [m]."""
         away = (x - self.problem.commanded(prediction.step, shifts))[~prediction.lost, :3]
-        return float(np.sqrt(np.einsum("ij,ij->i", away, away)).max(initial=0.0))
+        return math.sqrt(np.einsum("ij,ij->i", away, away).max(initial=0.0))
 
     def _least(self, prediction: Prediction, shifts: Integers) -> Margin | None:
         found = self._predictor.margins(prediction, shifts)
