@@ -14,7 +14,7 @@ from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.recorder import RecorderNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
 from spacecraft_gnc.ros.parameters import command_line, controllers_in
-from spacecraft_gnc.scenario.node_sections import agents_in
+from spacecraft_gnc.scenario.agents import agents_in
 from spacecraft_gnc.signals.members import Place, role_of, space_of
 
 _START_ORDER = (RecorderNode, GovernorNode, ControllerNode, PlantNode)

@@ -17,18 +17,16 @@ from spacecraft_gnc.parameters.checked import plain_values
 from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, Value
 from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.scenario import Fleet, InvalidScenario, Problem, Scenario, from_sections
+from spacecraft_gnc.scenario.agents import agents_in, has_plant, hosts_of, incomplete
 from spacecraft_gnc.scenario.craft import craft_names, craft_of, no_craft, require_one_law
-from spacecraft_gnc.scenario.fleet import gather, incomplete
+from spacecraft_gnc.scenario.fleet import gather
 from spacecraft_gnc.scenario.node_sections import (
     OPTION,
     add_file,
     add_option,
     agent_nodes,
-    agents_in,
     given_to,
     has_craft,
-    has_plant,
-    hosts_of,
     matches,
     node_names,
 )

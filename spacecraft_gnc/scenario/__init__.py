@@ -2,7 +2,8 @@
 
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem
 from spacecraft_gnc.scenario.fleet import Fleet, load_fleet
-from spacecraft_gnc.scenario.load import from_sections, load, read_sections, revise
+from spacecraft_gnc.scenario.load import from_sections, load, read_sections
+from spacecraft_gnc.scenario.revision import revise
 from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.scenario.template import Template
 

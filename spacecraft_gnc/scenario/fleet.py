@@ -12,17 +12,11 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 from spacecraft_gnc.arguments import require_path
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, shown, suggestion
 from spacecraft_gnc.parameters.sections import LauncherParameters, RecorderParameters
-from spacecraft_gnc.parameters.yaml_file import Sections, read
+from spacecraft_gnc.parameters.yaml_file import read
+from spacecraft_gnc.scenario.agents import agents_in, incomplete, nodes_of
 from spacecraft_gnc.scenario.craft import craft_names, craft_of
 from spacecraft_gnc.scenario.load import load_nodes, load_one
-from spacecraft_gnc.scenario.node_sections import (
-    add_craft,
-    agent_nodes,
-    agents_in,
-    has_craft,
-    matches,
-    unread,
-)
+from spacecraft_gnc.scenario.node_sections import agent_nodes, has_craft, unread
 from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.scenario import STATED, Scenario, sections_to_yaml
 from spacecraft_gnc.scenario.schema import OF_AGENT, OF_GRAPH, ROLES
@@ -233,7 +227,7 @@ def load_fleet(path: str | Path, overrides: Overrides = (), namespace: str | Non
         for agent in agents
         if not any(problem.key == f"/{agent}" for problem in problems)
     }
-    known = {name: role for agent in agents for name, role in _nodes_of(sections, agent).items()}
+    known = {name: role for agent in agents for name, role in nodes_of(sections, agent).items()}
     names = ", ".join(unread(sections, known))
     warnings = (f"{file}: {names}: not read, no node of the graph matches",) if names else ()
     return Fleet(_gathered(makers, problems), warnings)
@@ -248,25 +242,6 @@ def gather(makers: Mapping[str, Callable[[], Scenario]]) -> Fleet:
         If one is refused, or they disagree.
     """
     return Fleet(_gathered(makers, []))
-
-
-def incomplete(sections: Sections, file: str) -> Iterator[Problem]:
-    """Yield the problems of agents that lack a section of their own."""
-    for agent in agents_in(sections):
-        nodes = _nodes_of(sections, agent)
-        for role, name in ((_PLANT, "plant"), (_CONTROLLER, "controller")):
-            section = f"/{agent}/{role}"
-            own = [node for node in nodes if nodes[node] == role and node != f"/{_PLANT}"]
-            if not any(matches(pattern, node) for pattern in sections for node in own):
-                what, need = f"an agent without a {name}", f"a section {section}"
-                remedy = "add it, or correct the namespace of the agent's other sections"
-                yield Problem(file, None, f"/{agent}", what, need, remedy)
-
-
-def _nodes_of(sections: Sections, agent: str) -> dict[str, str]:
-    """Return the nodes of an agent, the controllers of its craft among them."""
-    nodes = agent_nodes(agent)
-    return add_craft(sections, nodes) if has_craft(sections, nodes) else nodes
 
 
 def _section(agent: str, role: str, scenario: Scenario) -> str:

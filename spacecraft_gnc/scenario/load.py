@@ -13,21 +13,19 @@ from spacecraft_gnc.parameters.parameter import Value
 from spacecraft_gnc.parameters.problems import InvalidScenario, Problem, suggestion
 from spacecraft_gnc.parameters.values import plain
 from spacecraft_gnc.parameters.yaml_file import Entry, Given, Sections, read
-from spacecraft_gnc.scenario.checks import check_all
-from spacecraft_gnc.scenario.checks_reads import unread_by
-from spacecraft_gnc.scenario.craft import craft_names, no_craft, require_one_law, take_craft
-from spacecraft_gnc.scenario.defaults import Stated, fill_in
-from spacecraft_gnc.scenario.node_sections import (
-    add_file,
-    given_to,
-    has_craft,
+from spacecraft_gnc.scenario.agents import (
     has_plant,
     hosts_of,
     namespace_of,
     nodes_in,
     nodes_of_one,
-    vehicle_in,
+    require_sections,
 )
+from spacecraft_gnc.scenario.checks import check_all
+from spacecraft_gnc.scenario.checks_reads import unread_by
+from spacecraft_gnc.scenario.craft import craft_names, no_craft, require_one_law, take_craft
+from spacecraft_gnc.scenario.defaults import Stated, fill_in
+from spacecraft_gnc.scenario.node_sections import add_file, given_to, has_craft, vehicle_in
 from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.scenario.schema import ROLES, schema_of, vehicle_given
@@ -81,6 +79,8 @@ def load_one(
         return found
     if hosts and not has_plant(sections, wanted):
         raise InvalidScenario([no_craft(file, "--namespace", wanted, *hosts[0])])
+    if namespace is not None:
+        require_sections(sections, file, wanted)
     return _load_at(sections, file, problems, overrides, namespace)
 
 
@@ -115,9 +115,9 @@ def load_nodes(
     given.setdefault("plant", {})  # a scenario has a plant, stated or by default
     of_all = dict(laid_over.get(_CONTROLLER, {}))
     of_craft = take_craft(laid_over)
-    lay_over(given, _found_from_here(vehicle, laid_over))
+    lay_over(given, found_from_here(vehicle, laid_over))
     warnings = [*warnings, *_leave_out_unread(vehicle, given, file)]
-    scenario = _scenario(vehicle, given, file, problems, warnings)
+    scenario = check_given(vehicle, given, file, problems, warnings)
     require_one_law(scenario, sections, nodes, of_craft, of_all)
     return scenario
 
@@ -183,55 +183,9 @@ def from_sections(
             need = f"one of {', '.join(ROLES)}"
             problems.append(Problem(source, None, section, "an unknown node", need, remedy))
             continue
-        given[section] = _entries(require_kind(section, values, Mapping), source)
+        given[section] = entries_of(require_kind(section, values, Mapping), source)
     vehicle = vehicle_given(given.get("plant", {}), source)
-    return _scenario(vehicle, given, source, problems, stated=stated)
-
-
-def revise(
-    scenario: Scenario, overrides: Overrides = (), method: str | None = None
-) -> tuple[Scenario, tuple[str, ...]]:
-    """Return a scenario for another controller along a flight that was flown under ``scenario``.
-
-    Where a governor moved the reference, it has done its work: it is left out, and so is the start,
-    from which the new controller need not reach the target by itself.
-
-    Parameters
-    ----------
-    scenario : Scenario
-        What flew.
-    overrides : mapping or sequence of str
-        As for `load`.
-    method : str, optional
-        The other ``nmpc_controller.method``.
-
-    Returns
-    -------
-    Scenario, tuple of str
-        The revised one, and the names of the controller's parameters that were left out because
-        the new method does not read them.
-
-    Raises
-    ------
-    InvalidScenario
-        With every problem at once.
-    """
-    given = _given_along_a_flight(require_kind("scenario", scenario, Scenario))
-    problems: list[Problem] = []
-    laid_over = {_CONTROLLER: {}, **apply(overrides, problems)[""]}  # of a craft alone: none
-    if method is not None:
-        laid_over[_CONTROLLER]["method"] = Entry(plain(method), "--method", coerce=True)
-    chosen = laid_over[_CONTROLLER].get("method")
-    unread: tuple[str, ...] = ()
-    if chosen is not None and chosen.value != scenario.controller.method:
-        changed = [name for name in given[_CONTROLLER] if not _is_default(scenario, name)]
-        unread = tuple(unread_by(scenario.vehicle, str(chosen.value), changed))
-    for name in unread:
-        del given[_CONTROLLER][name]
-    vehicle = vehicle_given({**given.get("plant", {}), **laid_over.get("plant", {})}, scenario.path)
-    lay_over(given, _found_from_here(vehicle, laid_over))
-    revised = _scenario(vehicle, given, scenario.path, problems, stated=scenario.defaults)
-    return revised, unread
+    return check_given(vehicle, given, source, problems, stated=stated)
 
 
 def lay_over(given: Given, entries: Given) -> None:
@@ -240,7 +194,7 @@ def lay_over(given: Given, entries: Given) -> None:
         given.setdefault(section, {}).update(values)
 
 
-def _found_from_here(vehicle: Vehicle, laid_over: Given) -> Given:
+def found_from_here(vehicle: Vehicle, laid_over: Given) -> Given:
     """Return values with whole paths of files: those laid over are relative to this folder."""
     schema, found = schema_of(vehicle), {}
     for section, values in laid_over.items():
@@ -252,24 +206,8 @@ def _found_from_here(vehicle: Vehicle, laid_over: Given) -> Given:
     return found
 
 
-def _given_along_a_flight(scenario: Scenario) -> Given:
-    """Return what was given, less what only a start and a target have to meet."""
-    sections = {name: flatten(values) for name, values in scenario.sections.items()}
-    if scenario.vehicle.revision is not None:
-        scenario.vehicle.revision.load()(scenario, sections)
-    sections.setdefault(_CONTROLLER, {})
-    sections.setdefault("launcher", {})["cut_short"] = True  # no target has to be reached
-    return {name: _entries(values, scenario.path) for name, values in sections.items()}
-
-
-def _is_default(scenario: Scenario, name: str) -> bool:
-    value = scenario.values[_CONTROLLER][name]
-    spec = scenario.schema.spec_of(_CONTROLLER, name, value)
-    default = None if spec is None else spec.default
-    return value == scenario.defaults[_CONTROLLER].get(name, default)
-
-
-def _entries(values: Mapping[str, Any], source: str) -> dict[str, Entry]:
+def entries_of(values: Mapping[str, Any], source: str) -> dict[str, Entry]:
+    """Return values in memory, nested or dotted, as entries of a section."""
     return {
         name: Entry(plain(value), source, coerce=True)
         for name, value in flatten(values).items()
@@ -299,7 +237,7 @@ def _says(schema: Schema, name: str, entry: Entry) -> bool:
     return spec is None or bool(spec.formula) or entry.value != spec.default
 
 
-def _scenario(
+def check_given(
     vehicle: Vehicle,
     given: Given,
     source: str,
@@ -307,6 +245,15 @@ def _scenario(
     warnings: Sequence[str] = (),
     stated: Stated | None = None,
 ) -> Scenario:
+    """Return the scenario of what was given to each node.
+
+    ``problems``: those found so far; ``stated``: as of `from_sections`.
+
+    Raises
+    ------
+    InvalidScenario
+        With every problem at once.
+    """
     checked = check_values(schema_of(vehicle), given, source, problems)
     checked.is_over = stated is not None
     fill_in(checked, vehicle, stated or {})

@@ -13,7 +13,7 @@ Source: rclpy 7.1 ``Node.get_parameters``, rcl ``arguments.c``; docs/scenario.md
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -61,48 +61,6 @@ def agent_nodes(agent: str) -> dict[str, str]:
     return shared | {f"/{agent}/{role}": role for role in OF_AGENT}
 
 
-def agents_in(sections: Sections) -> tuple[str, ...]:
-    """Return the agents of a graph by their namespaces; none where a file is about one vehicle.
-
-    There are agents where several namespaces have sections, or one beside a ``plant`` of the root,
-    and the root has neither controller nor governor. The craft of a vehicle are none.
-
-    Raises
-    ------
-    InvalidScenario
-        If there may be craft, of a vehicle that is unknown.
-    """
-    named = _roles_by_namespace(sections)
-    for namespace in list(_of_craft(sections, named)):
-        del named[namespace]
-    root = named.pop(ROOT, set())
-    if root - {PLANT}:
-        return ()
-    is_whole = any({PLANT, CONTROLLER} <= roles for roles in named.values())
-    if len(named) > 1 or (root and is_whole):
-        return tuple(namespace.strip("/") for namespace in named)
-    return ()
-
-
-def _roles_by_namespace(sections: Sections) -> dict[str, set[str]]:
-    """Return what stands in each namespace that is written without a wildcard."""
-    named: dict[str, set[str]] = {}
-    for pattern in sections:
-        namespace, role = _literal_namespace(pattern), pattern.rpartition("/")[2]
-        if namespace is not None and role not in OF_GRAPH:
-            named.setdefault(namespace, set()).add(role)
-    return named
-
-
-def _of_craft(sections: Sections, named: Mapping[str, set[str]]) -> Iterator[str]:
-    """Yield the namespaces of craft: beneath a plant that flies several, and without their own."""
-    craft = [space for space, roles in named.items() if PLANT not in roles and space != ROOT]
-    hosts = [space for space in named if craft and PLANT in named[space]]
-    plants = {host: agent_nodes(host.strip("/")) for host in hosts}
-    hosts = [host for host in hosts if vehicle_in(sections, plants[host], "").craft is not None]
-    yield from (space for space in craft if any(beneath(space, host) for host in hosts))
-
-
 def beneath(space: str, other: str) -> bool:
     """Tell whether a namespace stands beneath another one."""
     return space != other and f"{space}/".startswith(f"{other.rstrip('/')}/")
@@ -111,7 +69,7 @@ def beneath(space: str, other: str) -> bool:
 def literal_controllers(sections: Sections) -> list[str]:
     """Return the full names of the controllers that have a section without a wildcard."""
     names = (p for p in sections if p.rpartition("/")[2] == CONTROLLER)
-    return [f"/{n.strip('/')}" for n in names if _literal_namespace(n) is not None]
+    return [f"/{n.strip('/')}" for n in names if literal_namespace(n) is not None]
 
 
 def has_craft(sections: Sections, nodes: Mapping[str, str]) -> bool:
@@ -120,21 +78,6 @@ def has_craft(sections: Sections, nodes: Mapping[str, str]) -> bool:
         return vehicle_in(sections, nodes, "").craft is not None
     except InvalidScenario:
         return False
-
-
-def hosts_of(sections: Sections, namespace: str) -> list[str]:
-    """Return the namespaces of the vehicles of which a namespace may be a craft, nearest first."""
-    words = namespace.strip("/").split("/") if namespace.strip("/") else []
-    above = [f"/{'/'.join(words[:count])}" for count in range(len(words) - 1, -1, -1)]
-    agents = {f"/{agent}" for agent in agents_in(sections)} if above else set()
-    known = [space for space in above if not agents or space in agents]
-    return [space for space in known if has_craft(sections, nodes_in(sections, space))]
-
-
-def has_plant(sections: Sections, namespace: str) -> bool:
-    """Tell whether a namespace has a section ``plant`` of its own, or by a wildcard."""
-    plant = f"/{namespace.strip('/')}/{PLANT}".replace("//", "/")
-    return any(matches(pattern, plant) for pattern in sections)
 
 
 def add_craft(sections: Sections, nodes: Mapping[str, str]) -> dict[str, str]:
@@ -146,12 +89,6 @@ def add_craft(sections: Sections, nodes: Mapping[str, str]) -> dict[str, str]:
     named = [n for n in literal_controllers(sections) if beneath(n.rpartition("/")[0], whole)]
     craft = [f"{whole}/{_ANY_CRAFT}/{CONTROLLER}", *named]
     return {**nodes, **dict.fromkeys(craft, CONTROLLER)}
-
-
-def nodes_in(sections: Sections, namespace: str) -> dict[str, str]:
-    """Return the sections of the vehicle in a namespace, each with its role, as `node_names`."""
-    agent, alone = namespace.strip("/"), node_names(namespace)
-    return {**agent_nodes(agent), **alone} if agent in agents_in(sections) else alone
 
 
 def matches(pattern: str, node: str) -> bool:
@@ -230,44 +167,6 @@ def unread(sections: Sections, nodes: Mapping[str, str]) -> list[str]:
     return [pattern for pattern in sections if not any(matches(pattern, name) for name in nodes)]
 
 
-def namespace_of(sections: Sections, file: str, wanted: str | None = None) -> str:
-    """Return the namespace that a file is about: the root, unless it names another one only.
-
-    Parameters
-    ----------
-    sections : Sections
-    file : str
-        To blame.
-    wanted : str, optional
-        The one to prefer where the file names several.
-
-    Raises
-    ------
-    InvalidScenario
-        If it names several, and not the root.
-    """
-    named = dict.fromkeys(_literal_namespace(pattern) for pattern in sections)
-    agents = [f"/{agent}" for agent in agents_in(sections)]
-    craft = set(_of_craft(sections, _roles_by_namespace(sections)))
-    found = agents or [space for space in named if space is not None and space not in craft]
-    preferred = f"/{wanted.strip('/')}" if wanted is not None else ROOT
-    if preferred in found or not found:
-        return preferred if preferred in found else ROOT
-    if len(found) == 1:
-        return found[0]
-    what = f"sections of several spacecraft ({', '.join(found)})"
-    raise InvalidScenario([Problem(file, None, "", what, "one", "name it with --namespace")])
-
-
-def nodes_of_one(
-    sections: Sections, file: str, namespace: str | None = None
-) -> tuple[dict[str, str], str, list[str]]:
-    """Return the nodes of one vehicle by full name, its agent, and what a file says in vain."""
-    where = namespace_of(sections, file) if namespace is None else namespace
-    nodes = nodes_in(sections, where)
-    return nodes, where.strip("/"), _warnings(sections, nodes, file)
-
-
 def add_file(sections: Sections, path: Path, text: str | None = None) -> None:
     """Lay the values of a parameter file, or of its ``text``, over sections, as ROS 2 does.
 
@@ -298,16 +197,7 @@ def _knows(schema: Schema, role: str, name: str, entry: Entry) -> bool:
     return schema.is_ros_own(role, name) or schema.spec_of(role, name, entry.value) is not None
 
 
-def _warnings(sections: Sections, nodes: Mapping[str, str], file: str) -> list[str]:
-    """Name the sections that no node reads."""
-    known = add_craft(sections, nodes) if has_craft(sections, nodes) else nodes
-    names = ", ".join(unread(sections, known))
-    controller = next(name for name, role in nodes.items() if role == CONTROLLER)
-    namespace = controller.rpartition("/")[0] or ROOT
-    return [f"{file}: {names}: not read, no node of namespace {namespace} matches"] if names else []
-
-
-def _literal_namespace(pattern: str) -> str | None:
+def literal_namespace(pattern: str) -> str | None:
     """Return the namespace before the node's name; None where a wildcard leaves it open."""
     namespace, _, role = pattern.rpartition("/")
     if "*" in namespace or (not namespace and "*" in role) or role == LAUNCHER:

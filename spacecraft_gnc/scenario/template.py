@@ -7,8 +7,9 @@ from pathlib import Path
 from spacecraft_gnc.arguments import require_path
 from spacecraft_gnc.parameters.problems import Problem
 from spacecraft_gnc.parameters.yaml_file import Given, read
+from spacecraft_gnc.scenario.agents import nodes_of_one
 from spacecraft_gnc.scenario.load import lay_over, load_nodes
-from spacecraft_gnc.scenario.node_sections import has_craft, nodes_of_one
+from spacecraft_gnc.scenario.node_sections import has_craft
 from spacecraft_gnc.scenario.overrides import Overrides, apply
 from spacecraft_gnc.scenario.scenario import Scenario
 from spacecraft_gnc.scenario.schema import ROLES

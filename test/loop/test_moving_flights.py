@@ -7,8 +7,7 @@ import pytest
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.metrics import summarize
-from spacecraft_gnc.scenario import InvalidScenario, load
-from spacecraft_gnc.scenario.load import revise
+from spacecraft_gnc.scenario import InvalidScenario, load, revise
 from spacecraft_gnc.vehicles.rigid_body import series
 from spacecraft_gnc.vehicles.rigid_body.pictures.figures import flight_figures
 from spacecraft_gnc.vehicles.rigid_body.resolve.replay import resolve

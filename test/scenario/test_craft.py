@@ -12,8 +12,8 @@ from spacecraft_gnc.cli.main import main
 from spacecraft_gnc.launcher import plan
 from spacecraft_gnc.parameters.yaml_file import read
 from spacecraft_gnc.scenario import InvalidScenario, load, load_fleet, read_sections
+from spacecraft_gnc.scenario.agents import agents_in
 from spacecraft_gnc.scenario.craft import craft_of
-from spacecraft_gnc.scenario.node_sections import agents_in
 from spacecraft_gnc.scenario.recorded import parse_scenario
 from spacecraft_gnc.scenario.schema import ROLES
 from spacecraft_gnc.scenario.template import Template
