@@ -13,7 +13,6 @@ function unpackRun(run) {
 }
 
 const plus = (a, b) => a.map((value, i) => value + b[i]);
-const GAP = [null, null, null];
 
 class Bodies {
   constructor(view) {
@@ -121,20 +120,6 @@ class Bodies {
     return Plotly.update("view-plot", { x: along("x"), y: along("y"), z: along("z") },
       { "scene.xaxis": x, "scene.yaxis": y, "scene.zaxis": z }, moved.map((_, i) => i));
   }
-}
-
-function coordinates(points) {
-  const [x, y, z] = [0, 1, 2].map((i) => points.map((point) => point[i]));
-  return { x, y, z };
-}
-
-function addSwitch(place, id, text, checked, change) {
-  const label = document.createElement("label"), box = document.createElement("input");
-  Object.assign(box, { type: "checkbox", id, checked });
-  label.className = "control";
-  label.append(box, ` ${text}`);
-  place.append(label);
-  box.addEventListener("change", () => change(box.checked));
 }
 
 async function drawView(view) {

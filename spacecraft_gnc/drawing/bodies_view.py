@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,6 @@ from spacecraft_gnc.drawing.solids import CORNERS, EDGES, Body, triangles
 from spacecraft_gnc.drawing.traces import label, packed
 from spacecraft_gnc.types import Array
 
-POINTS: Final = 600
-"""States that a run steps through at the most: each moves a whole scene."""
-
 
 @dataclass(frozen=True, slots=True)
 class Region:
@@ -27,18 +24,6 @@ class Region:
     color: str
     corners: Array
     """(8, 3) in the order of `solids.CORNERS` [m]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Readout:
-    """A line of the readout."""
-
-    label: str
-    """With unit."""
-    values: Array
-    """(n + 1, k)."""
-    notes: Sequence[str] = ()
-    """(n + 1,) words beside them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +61,7 @@ class Motion:
     reference: Array
     turn: Array
     told: Sequence[str]
-    readout: Sequence[Readout] = ()
+    readout: Sequence[view.Readout] = ()
     region: Region | None = None
     snapshots: Sequence[int] = field(default_factory=tuple)
 
@@ -104,13 +89,13 @@ def scene(
     motions
         The runs.
     points
-        States that a run may step through; at the most `POINTS`.
+        States that a run may step through; at the most `view.POINTS`.
     words
         Of the page.
     frames
         Name of the frame of the motions and of the other one, each with the names of its axes.
     """
-    points = min(points, POINTS)
+    points = min(points, view.POINTS)
     data = {
         "ink": style.INK,
         "grid": style.GRID_COLOR,
@@ -139,7 +124,7 @@ def _run_data(motion: Motion, points: int) -> dict[str, Any]:
         "turn": packed(motion.turn[chosen]),
         "region": None if motion.region is None else _region_data(motion.region),
         "snapshots": [place[row] for row in motion.snapshots],
-        "readout": list(_readout(motion, chosen)),
+        "readout": list(view.readout_data(motion.readout, motion.n_steps + 1, chosen)),
     }
 
 
@@ -163,14 +148,3 @@ def _body_data(body: Body, chosen: NDArray[np.int64]) -> dict[str, Any]:
 def _region_data(region: Region) -> dict[str, Any]:
     name = label(region.name)
     return {"name": name, "color": region.color, "corners": packed(region.corners)}
-
-
-def _readout(motion: Motion, chosen: NDArray[np.int64]) -> Iterator[dict[str, Any]]:
-    """Yield the lines of the readout."""
-    for line in motion.readout:
-        values = line.values.reshape(motion.n_steps + 1, -1)
-        yield {
-            "label": line.label, "values": packed(values[chosen]), "significant": 4,
-            "width": values.shape[1],
-            "notes": [line.notes[i] for i in chosen] if line.notes else [],
-        }  # fmt: skip

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.traces import (
@@ -34,8 +35,10 @@ class Drawn(Protocol):
 
 
 R = TypeVar("R", bound=Drawn)
+N = TypeVar("N", bound=np.generic)
 HELD: Final[dict[str, Any]] = {"shape": "hv"}
 """Line of a value that holds for a control period."""
+_SECONDS: Final = ".10~g"  # digits, not powers: a flight of hours is read in seconds too
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +105,7 @@ def over_time(
     runs: Sequence[Drawn], traces: Iterable[Trace], *y: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the figure of diagrams over the time of all runs, one for each axis ``y``."""
-    drawn = figure(traces, y, axis("time [s]", range=span(runs)))
+    drawn = figure(traces, y, axis("time [s]", range=span(runs), tickformat=_SECONDS))
     if len(runs) > 1:
         drawn["layout"]["showlegend"] = True  # one curve alone needs its run's name too
     return drawn
@@ -113,7 +116,7 @@ def named(runs: Sequence[Drawn], run: Drawn, text: str) -> str:
     return text if len(runs) == 1 else f"{run.name}: {text}"
 
 
-def held(values: Array) -> Array:
+def held(values: NDArray[N]) -> NDArray[N]:
     """Return (n + 1,) values: the last one once more at the end of its control period."""
     return np.concatenate([values, values[-1:]])
 

@@ -1,14 +1,17 @@
-"""Events marked in diagrams over time, of a page and for print."""
+"""Events and stretches of time marked in diagrams, of a page and for print."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from spacecraft_gnc.drawing import style
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _LEVELS: Final = 4  # heights of the texts of a page: events may follow each other closely
+_SHADE: Final = 0.13  # opacity of a stretch
 
 
 class Mark(NamedTuple):
@@ -20,6 +23,43 @@ class Mark(NamedTuple):
     color: str
     before: bool = False
     """Whether its text stands before its line in print."""
+
+
+class Span(NamedTuple):
+    """A stretch of time."""
+
+    begin: float
+    """[s]"""
+    end: float
+    """[s]"""
+    text: str
+    color: str
+
+
+def shade(figure: dict[str, Any], spans: Sequence[Span]) -> None:
+    """Shade stretches of time in a diagram of a page; their texts stand at its top."""
+    layout = figure["layout"]
+    for k, (begin, end, text, color) in enumerate(spans):
+        layout.setdefault("shapes", []).append({
+            "type": "rect", "xref": "x", "yref": "paper", "x0": begin, "x1": end, "y0": 0.0,
+            "y1": 1.0, "fillcolor": color, "opacity": _SHADE, "line": {"width": 0},
+            "layer": "below",
+        })  # fmt: skip
+        layout.setdefault("annotations", []).append({
+            "xref": "x", "yref": "paper", "x": begin, "y": 0.99 - 0.08 * (k % _LEVELS),
+            "text": text, "showarrow": False, "xanchor": "left", "xshift": 3, "yanchor": "top",
+            "font": {"size": 11, "color": style.INK},
+        })  # fmt: skip
+
+
+def draw_spans(axes: Axes, spans: Sequence[Span]) -> None:
+    """Shade stretches of time in a diagram for print; their texts stand at its top."""
+    for begin, end, text, color in spans:
+        axes.axvspan(begin, end, color=color, alpha=_SHADE, linewidth=0.0)
+        axes.annotate(
+            text, (begin, 1.0), xycoords=("data", "axes fraction"), rotation=90.0, xytext=(2, -3),
+            textcoords="offset points", color=style.INK, fontsize=7.0, ha="left", va="top",
+        )  # fmt: skip
 
 
 def mark(figure: dict[str, Any], marks: Sequence[Mark]) -> None:

@@ -18,9 +18,16 @@ function rowsOf(packed) {
   return rows;
 }
 
-function line3d(points, options) {
+// Between two lines of one trace.
+const GAP = [null, null, null];
+
+function coordinates(points) {
   const [x, y, z] = [0, 1, 2].map((i) => points.map((point) => point[i]));
-  return { type: "scatter3d", mode: "lines", x, y, z, hoverinfo: "skip", showlegend: false, ...options };
+  return { x, y, z };
+}
+
+function line3d(points, options) {
+  return { type: "scatter3d", mode: "lines", ...coordinates(points), hoverinfo: "skip", showlegend: false, ...options };
 }
 
 function readoutRows(run, k) {
@@ -44,6 +51,15 @@ function writeReadout(run, k, told) {
     return row;
   });
   document.getElementById("readout").replaceChildren(...rows);
+}
+
+function addSwitch(place, id, text, checked, change) {
+  const label = document.createElement("label"), box = document.createElement("input");
+  Object.assign(box, { type: "checkbox", id, checked });
+  label.className = "control";
+  label.append(box, ` ${text}`);
+  place.append(label);
+  box.addEventListener("change", () => change(box.checked));
 }
 
 // Slider, play and choice of the run. `view`: draw(run) draws a run at its start, move(run, k) moves

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from importlib import resources
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Final, NamedTuple, Protocol
+
+from numpy.typing import NDArray
 
 from spacecraft_gnc.drawing.envelope import strided
+from spacecraft_gnc.drawing.traces import packed
+from spacecraft_gnc.types import Array
+
+POINTS: Final = 600
+"""States that a run steps through at the most where each moves a whole scene."""
 
 
 class Words(NamedTuple):
@@ -41,6 +49,31 @@ class Moving(Protocol):
     @property
     def n_steps(self) -> int:
         """Control steps."""
+
+
+@dataclass(frozen=True, slots=True)
+class Readout:
+    """A line of the readout."""
+
+    label: str
+    """With unit."""
+    values: Array
+    """(n + 1, k)."""
+    notes: Sequence[str] = ()
+    """(n + 1,) words beside them."""
+
+
+def readout_data(
+    lines: Sequence[Readout], n_states: int, chosen: NDArray[Any]
+) -> Iterator[dict[str, Any]]:
+    """Yield the lines of the readout at the chosen ones of so many states."""
+    for line in lines:
+        values = line.values.reshape(n_states, -1)
+        yield {
+            "label": line.label, "values": packed(values[chosen]), "significant": 4,
+            "width": values.shape[1],
+            "notes": [line.notes[i] for i in chosen] if line.notes else [],
+        }  # fmt: skip
 
 
 def script(name: str) -> str:

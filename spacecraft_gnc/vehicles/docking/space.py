@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 
 from spacecraft_gnc.drawing import bodies_view
-from spacecraft_gnc.drawing.bodies_view import Motion, Readout, Region
+from spacecraft_gnc.drawing.bodies_view import Motion, Region
 from spacecraft_gnc.drawing.chart import held
-from spacecraft_gnc.drawing.view import View, Words
+from spacecraft_gnc.drawing.view import Readout, View, Words
 from spacecraft_gnc.vehicles.docking import flown as series
 from spacecraft_gnc.vehicles.docking.flown import Flown
 from spacecraft_gnc.vehicles.docking.limits import clearances, margins

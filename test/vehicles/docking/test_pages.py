@@ -11,7 +11,7 @@ import pytest
 from docked import START, TURNED, aborted, flight, run, scenario
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.drawing.bodies_view import POINTS
+from spacecraft_gnc.drawing.view import POINTS
 from spacecraft_gnc.vehicles.docking.report import REPORT
 from spacecraft_gnc.vehicles.docking.telemetry import Telemetry
 

@@ -1,0 +1,45 @@
+"""Telemetry of a flight in formation: what a bag tells beside the arrays of a flight."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, NamedTuple
+
+from spacecraft_gnc.recording.columns import read_columns
+from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.vehicles.formation.signals import GOVERNOR_STATUS
+
+if TYPE_CHECKING:
+    from spacecraft_gnc.recording.bag import Bag
+    from spacecraft_gnc.vehicles.formation.flight import FormationFlight
+
+
+class Telemetry(NamedTuple):
+    """What a bag tells beside the arrays of a flight."""
+
+    missed_deadlines: int | None = None
+    """Steps of a free run whose command came too late; None: no free run."""
+    constraint: tuple[str, ...] = ()
+    """Of each step: name of the constraint with the least room along the prediction; empty where
+    nothing is known."""
+
+    def counts(self) -> dict[str, int]:
+        """Return at how many steps each constraint had the least room, the most frequent first."""
+        return dict(Counter(name for name in self.constraint if name).most_common())
+
+
+def telemetry(
+    flight: FormationFlight, bag: Bag | None, namespace: str | None, *, is_free: bool
+) -> Telemetry:
+    """Return what the bag of a flight tells; ``is_free``: it was a free run."""
+    if bag is None:
+        return Telemetry()
+    found = read_columns(bag, [WALL_TIMING, GOVERNOR_STATUS], namespace)
+    missed = found[WALL_TIMING].fields.get("missed_deadlines")
+    count = 0 if missed is None or not missed.size else int(missed.max())
+    status = found[GOVERNOR_STATUS]
+    told = [""] * flight.n_steps
+    for step, name in zip(status.steps.tolist(), status.fields.get("constraint", ()), strict=False):
+        if step < flight.n_steps:
+            told[step] = str(name)
+    return Telemetry(count if is_free else None, tuple(told))
