@@ -41,7 +41,7 @@ _MOST_ROWS: Final = 4  # craft that have a row of their own where runs are compa
 _ANSWER_COLORS: Final = {
     Answer.OPTIMAL: style.AXIS_COLORS[2],
     Answer.HELD: style.LIMIT_COLOR,
-    Answer.LEAST_VIOLATION: style.AXIS_COLORS[1],
+    Answer.LEAST_VIOLATING: style.AXIS_COLORS[1],
     Answer.PASSAGE: style.RUN_COLORS[4],
     Answer.PASSED: style.RUN_COLORS[5],
 }

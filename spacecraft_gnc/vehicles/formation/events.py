@@ -95,7 +95,7 @@ def _first(flags: NDArray[np.bool_]) -> int | None:
 
 def _answers(flight: FormationFlight) -> Iterator[Event]:
     """Yield the first step of each stretch without admissible shifts."""
-    without = np.isin(flight.status, (Answer.HELD, Answer.LEAST_VIOLATION))
+    without = np.isin(flight.status, (Answer.HELD, Answer.LEAST_VIOLATING))
     for row in np.flatnonzero(without & ~np.append(False, without[:-1])):
         yield Event(float(flight.time[row]), "no admissible shifts", True)
 
