@@ -132,8 +132,9 @@ def page() -> str:
 
 def _vehicle(vehicle: Vehicle) -> str:
     """Return the tables of another vehicle: what is not as the default one has it."""
+    what = vehicle.description[:1].upper() + vehicle.description[1:]
     intro = (
-        f"## Vehicle `{vehicle.name}`\n\nA {vehicle.description}; "
+        f"## Vehicle `{vehicle.name}`\n\n{what}; "
         f"[docs/{vehicle.name}.md]({vehicle.name}.md) explains the symbols. Beside these parameters "
         "it has those that concern a node and not the vehicle: mode and pace, `variant`, period.\n"
     )
