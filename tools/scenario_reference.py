@@ -83,6 +83,8 @@ test compares every form with live nodes). A section's name is a pattern of full
   `nmpc_controller` of its own, unless the root has a controller or governor too. One plant node in
   the root simulates all of them; a section `plant` of the root holds for each agent, beneath its
   own `plant`, and `recorder` and `launcher` stand in the root ([Agents](graph.md#agents)).
+- The controllers of a vehicle's [craft](graph.md#craft) (`/sc1/nmpc_controller`) belong to the vehicle whose `plant` stands above
+  them; all of them must be given the same values, best by `/**/nmpc_controller`.
 - `--namespace sat1` reads the sections as nodes in `/sat1` do: of several agents it picks one.
   Without it the nodes are those of the root, of the only namespace that the file names, or of all
   agents. A section that matches none is told.
