@@ -75,7 +75,7 @@ def _require_admissible(scenario: Scenario, problem: TimeShiftProblem) -> None:
                 "plant.initial_position" if by_state else "plant.initial_phase",
                 f"a start from which none of the {problem.samples**problem.n_craft} combinations "
                 "of time shifts keeps every limit",
-                f"a start with an admissible one; at the least {missed.text(names)}, missed by "
+                f"a start with one that does; the best one misses {missed.text(names)}, by "
                 f"{-100.0 * missed.share:.3g} %",
                 "start nearer to the formation, or widen that limit",
             )
