@@ -98,14 +98,14 @@ def least_violating(single, double, apart, counted, cost, able, shifts):
 
 @kernel
 def nearest(able, masks, apart, counted, cost, phases, distances, most, shifts):
-    """Least distance, at most ``most``, of the admissible combinations; -1 if there is none.
+    """Least distance, at most ``most``, of the admissible combinations, and their number.
 
     distances (c,): of the class of each formation of the ``counted`` craft, -1: none. Sets
-    ``shifts`` (n,), of equally near ones the cheapest.
+    ``shifts`` (n,), of equally near ones the cheapest. Returns -1 if all are further away.
     """
     n, p = able.shape
     at, before = np.full(n, -1), np.zeros(n)
-    best, price, level = most + 1, np.inf, 0
+    best, price, count, level = most + 1, np.inf, 0, 0
     while level >= 0:
         at[level] += 1
         a = at[level]
@@ -127,11 +127,12 @@ def nearest(able, masks, apart, counted, cost, phases, distances, most, shifts):
             level += 1
             before[level], at[level] = total, -1
             continue
+        count += 1
         far = distances[class_of(at, counted, phases, p)]
         if far >= 0 and (far < best or (far == best and total < price)):
             best, price = far, total
             shifts[:] = at
-    return best if best <= most else -1
+    return (best if best <= most else -1), count
 
 
 @kernel

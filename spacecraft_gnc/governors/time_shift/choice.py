@@ -7,7 +7,6 @@ the sum over craft and steps of the horizon of e . Q e + dv . R dv.
 from __future__ import annotations
 
 import math
-import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -24,10 +23,6 @@ class Choice(NamedTuple):
     """(n,)"""
     n_admissible: int
     """Combinations that keep every constraint."""
-    violation: float
-    """Largest excess over a limit, as a share of it; 0 for an admissible one, NaN: not known."""
-    cost: float
-    """J = W + Omega; NaN where it was not the criterion."""
 
 
 def cheapest(predictor: Predictor, prediction: Prediction) -> Choice | None:
@@ -37,18 +32,22 @@ def cheapest(predictor: Predictor, prediction: Prediction) -> Choice | None:
         prediction.able, prediction.pairs, predictor.apart, ~prediction.lost, prediction.cost,
         math.inf, shifts,
     )  # fmt: skip
-    return Choice(shifts, int(count), 0.0, float(best)) if math.isfinite(best) else None
+    return Choice(shifts, int(count)) if math.isfinite(best) else None
 
 
-def wished_for(predictor: Predictor, prediction: Prediction, chosen: Choice) -> Integers | None:
-    """Return the combination (n,) of least J, admissible or not; None if it is the chosen one."""
-    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
-    bound = chosen.cost if chosen.violation == 0.0 else sys.float_info.max
+def cheaper(
+    predictor: Predictor, prediction: Prediction, shifts: Integers, cost: float
+) -> Integers | None:
+    """Return the combination (n,) of least J, admissible or not; None if it is ``shifts``.
+
+    ``cost`` is J of ``shifts`` (n,).
+    """
+    found = np.zeros(predictor.problem.n_craft, dtype=np.int64)
     best, _ = kernels.cheapest(
         _selectable(prediction), np.ones_like(prediction.pairs), predictor.apart,
-        ~prediction.lost, prediction.cost, bound, shifts,
+        ~prediction.lost, prediction.cost, cost, found,
     )  # fmt: skip
-    return shifts if best < bound else None
+    return None if best >= cost or np.array_equal(found, shifts) else found
 
 
 def least_violating(predictor: Predictor, prediction: Prediction) -> Choice:
@@ -64,11 +63,11 @@ def least_violating(predictor: Predictor, prediction: Prediction) -> Choice:
         double = np.maximum(double, angle / problem.max_angle - 1.0)
     shifts = np.zeros(problem.n_craft, dtype=np.int64)
     # A kept limit is as good as another: of those, the cheapest.
-    worst = kernels.least_violating(
+    kernels.least_violating(
         np.maximum(single, 0.0), np.maximum(double, 0.0), predictor.apart, ~prediction.lost,
         prediction.cost, _selectable(prediction), shifts,
     )  # fmt: skip
-    return Choice(shifts, 0, float(worst), math.nan)
+    return Choice(shifts, 0)
 
 
 def longest_kept(predictor: Predictor, prediction: Prediction) -> Choice | None:
@@ -85,22 +84,29 @@ def longest_kept(predictor: Predictor, prediction: Prediction) -> Choice | None:
         np.zeros_like(prediction.cost), early, predictor.apart, ~prediction.lost,
         prediction.cost, prediction.able, shifts,
     )  # fmt: skip
-    return Choice(shifts, 0, math.nan, math.nan)
+    return Choice(shifts, 0)
 
 
 def nearest(
-    predictor: Predictor, prediction: Prediction, distances: Integers, most: int
+    predictor: Predictor,
+    prediction: Prediction,
+    distances: Integers,
+    most: int,
+    last: Integers,
 ) -> Choice | None:
-    """Return the admissible combination of least distance, at most ``most``; None if none is.
+    """Return the admissible combination of least distance; ``last`` if none is ``most`` away.
 
-    ``distances`` (c,) are those of `Passages` for the craft that are not lost.
+    ``distances`` (c,) are those of `Passages` for the craft that are not lost. None if ``last``
+    would have to be returned, and is not admissible.
     """
     shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
-    found = kernels.nearest(
+    found, count = kernels.nearest(
         prediction.able, prediction.pairs, predictor.apart, ~prediction.lost, prediction.cost,
         predictor.problem.phases, distances, most, shifts,
     )  # fmt: skip
-    return None if found < 0 else Choice(shifts, -1, 0.0, math.nan)
+    if found >= 0:
+        return Choice(shifts, int(count))
+    return Choice(last, int(count)) if is_admissible(prediction, last) else None
 
 
 def cost_of(predictor: Predictor, prediction: Prediction, shifts: Integers) -> tuple[float, float]:

@@ -12,8 +12,6 @@ formation is reached. The transitions left only ever decrease, so that this ends
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from spacecraft_gnc.governors.time_shift import choice
@@ -64,10 +62,7 @@ class DeadlockWatch:
         if left == NO_PASSAGE:
             return None
         distances = self._of(prediction.lost).distances
-        found = choice.nearest(self._predictor, prediction, distances, max(left - 1, 0))
-        if found is None and choice.is_admissible(prediction, shifts):
-            return Choice(shifts, -1, 0.0, math.nan)
-        return found
+        return choice.nearest(self._predictor, prediction, distances, max(left - 1, 0), shifts)
 
     def notice(
         self, lost: Mask, shifts: Integers, *, held: bool, arrived: bool, is_equal: bool

@@ -38,7 +38,7 @@ class TimeShiftDecision(NamedTuple):
     state_cost: float
     """Omega of the shifts."""
     n_admissible: int
-    """Combinations that keep every constraint; -1 where they were not counted."""
+    """Combinations that keep every constraint."""
     n_candidates: int
     """Combinations there are."""
     margin: Margin | None

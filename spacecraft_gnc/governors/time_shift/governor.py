@@ -2,7 +2,8 @@
 
 Each step enumerates all p^n combinations of shifts, constant over the horizon. Shifts that are
 admissible stay so on the modeled loop (up to what lies beyond the horizon), so that there is
-always a combination to choose once there was one. docs/formation.md has theory and figures.
+always a combination to choose once there was one. docs/time_shift_governor.md has theory and
+figures.
 Source: report of AFRL (Kolmanovsky 2016), section 3.3, (14)-(20).
 """
 
@@ -81,9 +82,9 @@ class TimeShiftGovernor:
             prediction = self._predictor.predict(0, states, np.zeros(n, dtype=np.int64), lost)
             choice.cheapest(self._predictor, prediction)
             choice.longest_kept(self._predictor, prediction)
-            choice.nearest(self._predictor, prediction, nowhere, 0)
             found = choice.least_violating(self._predictor, prediction)
-            choice.wished_for(self._predictor, prediction, found)
+            choice.nearest(self._predictor, prediction, nowhere, 0, found.shifts)
+            choice.cheaper(self._predictor, prediction, found.shifts, 1.0)
             choice.cost_of(self._predictor, prediction, found.shifts)
 
     def decide(self, step: int, states: object, applied: object | None = None) -> TimeShiftDecision:
@@ -135,7 +136,7 @@ class TimeShiftGovernor:
         if found is not None:
             return found, Answer.OPTIMAL
         if self._shifts is not None and not prediction.lost.any():
-            return Choice(self._shifts, 0, math.nan, math.nan), Answer.HELD
+            return Choice(self._shifts, 0), Answer.HELD
         if prediction.lost.any():
             longest = choice.longest_kept(self._predictor, prediction)
             if longest is not None:
@@ -168,7 +169,7 @@ class TimeShiftGovernor:
             n_admissible=chosen.n_admissible,
             n_candidates=problem.samples ** int(np.count_nonzero(~prediction.lost)),
             margin=self._least(prediction, shifts),
-            refused=self._refused(prediction, chosen),
+            refused=self._refused(prediction, shifts, shift_cost + state_cost),
             error=error,
             formed=shift_cost == 0.0 and arrived and not prediction.lost.all(),
             deadlocked=is_stuck,
@@ -187,8 +188,8 @@ class TimeShiftGovernor:
         found = self._predictor.margins(prediction, shifts)
         return min(found, key=lambda margin: margin.share) if found else None
 
-    def _refused(self, prediction: Prediction, chosen: Choice) -> Margin | None:
-        wish = choice.wished_for(self._predictor, prediction, chosen)
+    def _refused(self, prediction: Prediction, shifts: Integers, cost: float) -> Margin | None:
+        wish = choice.cheaper(self._predictor, prediction, shifts, cost)
         return None if wish is None else self._least(prediction, wish)
 
 

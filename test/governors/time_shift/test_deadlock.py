@@ -78,6 +78,9 @@ def test_a_passage_leads_to_the_desired_formation_within_the_limits(problem, gov
     passage = [d for d in flight.decisions if d.answer == Answer.PASSAGE]
     assert all((decision.waypoint == decision.shifts).all() for decision in passage)
     assert passage[-1] is flight.decisions[-1]
+    assert all(decision.n_admissible > 0 for decision in flight.decisions)
+    told = [decision.refused for decision in stuck]
+    assert all(refused is not None and refused.constraint == Constraint.ANGLE for refused in told)
 
 
 def test_after_the_passage_the_governor_chooses_again(problem, governor):

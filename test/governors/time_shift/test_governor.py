@@ -60,6 +60,8 @@ def test_the_choice_is_the_best_of_all_combinations(step):
     np.testing.assert_array_equal(decision.shifts, every.best())
     assert decision.n_admissible == np.count_nonzero(every.admissible)
     assert decision.n_candidates == every.admissible.size
+    cheapest_of_all = every._replace(admissible=np.ones_like(every.admissible)).best()
+    assert (decision.refused is None) == bool((cheapest_of_all == decision.shifts).all())
     assert decision.shift_cost == every.shift_cost[chosen]
     assert decision.state_cost == pytest.approx(every.state_cost[chosen], rel=1e-10)
 
