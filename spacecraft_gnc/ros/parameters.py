@@ -18,7 +18,7 @@ from spacecraft_gnc.parameters.parameter import Kind, ParameterSpec, Value
 from spacecraft_gnc.parameters.yaml_file import Sections
 from spacecraft_gnc.scenario import Fleet, InvalidScenario, Problem, Scenario, from_sections
 from spacecraft_gnc.scenario.agents import agents_in, has_plant, hosts_of, incomplete
-from spacecraft_gnc.scenario.craft import craft_names, craft_of, no_craft, require_one_law
+from spacecraft_gnc.scenario.craft import craft_names, no_craft, require_one_law
 from spacecraft_gnc.scenario.fleet import gather
 from spacecraft_gnc.scenario.node_sections import (
     OPTION,
@@ -97,9 +97,9 @@ def _find_graph(node: Node, section: str, sections: Sections) -> Fleet:
     if not above or has_plant(sections, namespace):
         above = {namespace: _gather_at(node, section, sections, namespace)}
     home, fleet = next(iter(above.items()))
-    one = fleet.agents[agent_of_namespace(home, fleet)]
-    if craft_of(one):  # and none of them is here
-        raise InvalidScenario([no_craft(_source(node), f"{section}: __ns", namespace, home, one)])
+    craft = craft_names(fleet.agents[agent_of_namespace(home, fleet)], home)
+    if craft:  # and none of them is here
+        raise InvalidScenario([no_craft(_source(node), f"{section}: __ns", namespace, craft)])
     return fleet
 
 

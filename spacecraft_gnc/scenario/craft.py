@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -38,10 +38,11 @@ def craft_names(scenario: Scenario, namespace: str) -> tuple[str, ...]:
     return tuple(f"{namespace.rstrip('/')}/{name}" for name in craft_of(scenario))
 
 
-def no_craft(file: str, key: str, received: str, namespace: str, scenario: Scenario) -> Problem:
-    """Return the problem of a namespace that is neither a vehicle's nor one of its craft's."""
-    names = ", ".join(craft_names(scenario, namespace))
-    need = f"one of the craft {names}, or {namespace} for the flight of all"
+def no_craft(file: str, key: str, received: str, craft: Iterable[str], flight: str = "") -> Problem:
+    """Return the problem of a namespace that is none of the craft's, nor that of their flight."""
+    need = f"one of the craft {', '.join(craft)}"
+    if flight:
+        need = f"{need}, or {flight} for the flight of all"
     return Problem(file, None, key, received, need, "name one of these")
 
 

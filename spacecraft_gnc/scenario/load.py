@@ -78,7 +78,9 @@ def load_one(
     if found is not None:
         return found
     if hosts and not has_plant(sections, wanted):
-        raise InvalidScenario([no_craft(file, "--namespace", wanted, *hosts[0])])
+        home, one = hosts[0]
+        known = craft_names(one, home)
+        raise InvalidScenario([no_craft(file, "--namespace", wanted, known, home)])
     if namespace is not None:
         require_sections(sections, file, wanted)
     return _load_at(sections, file, problems, overrides, namespace)

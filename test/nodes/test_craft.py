@@ -147,7 +147,7 @@ def test_every_node_of_a_formation_reads_one_scenario(tmp_path: Path) -> None:
     assert [one[2] for one in told[8:]] == [["", "", "sc1"], ["", "", "sc3"]] * 4
 
 
-REFUSED = "required one of the craft /sc1, /sc2, /sc3, or / for the flight of all"
+REFUSED = "required one of the craft /sc1, /sc2, /sc3; name one of these"
 
 
 def test_a_controller_of_no_craft_is_refused_in_one_line(tmp_path: Path) -> None:
