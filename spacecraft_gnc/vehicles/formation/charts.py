@@ -41,7 +41,8 @@ _MOST_ROWS: Final = 4  # craft that have a row of their own where runs are compa
 _ANSWER_COLORS: Final = {
     Answer.OPTIMAL: style.AXIS_COLORS[2],
     Answer.HELD: style.LIMIT_COLOR,
-    Answer.LEAST_VIOLATING: style.AXIS_COLORS[1],
+    Answer.LONGEST_KEPT: style.AXIS_COLORS[1],
+    Answer.LEAST_VIOLATING: style.RUN_COLORS[3],
     Answer.PASSAGE: style.RUN_COLORS[4],
     Answer.PASSED: style.RUN_COLORS[5],
 }
@@ -202,7 +203,7 @@ def _governor(runs: Sequence[Flown], points: int) -> Iterator[Chart]:
         (
             "admissible", "Admissible candidates", "candidates", "-",
             "Shifts that keep every constraint.",
-            lambda f: f.n_admissible.astype(float), log_axis,
+            series.admissible, log_axis,
         ),
         (
             "margin", "Least room along the prediction", "room", "% of the limit",

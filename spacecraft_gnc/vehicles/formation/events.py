@@ -38,6 +38,10 @@ STANDING_COLORS: Final = {
 }
 
 
+_WITHOUT: Final = (Answer.HELD, Answer.LONGEST_KEPT, Answer.LEAST_VIOLATING)
+"""Answers of steps at which no shifts were admissible."""
+
+
 def standing(flight: FormationFlight) -> NDArray[np.int64]:
     """Return the `Standing` (n,) at each step; -1: not known."""
     found = np.select(
@@ -95,7 +99,7 @@ def _first(flags: NDArray[np.bool_]) -> int | None:
 
 def _answers(flight: FormationFlight) -> Iterator[Event]:
     """Yield the first step of each stretch without admissible shifts."""
-    without = np.isin(flight.status, (Answer.HELD, Answer.LEAST_VIOLATING))
+    without = np.isin(flight.status, _WITHOUT)
     for row in np.flatnonzero(without & ~np.append(False, without[:-1])):
         yield Event(float(flight.time[row]), "no admissible shifts", True)
 

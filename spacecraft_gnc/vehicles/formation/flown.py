@@ -173,6 +173,11 @@ def room_percent(flight: FormationFlight) -> Array:
     return np.where(np.isfinite(margin), 100.0 * margin, math.nan)
 
 
+def admissible(flight: FormationFlight) -> Array:
+    """Return the admissible candidates (n,) of each step; NaN: not counted."""
+    return np.where(flight.n_admissible >= 0, flight.n_admissible, math.nan)
+
+
 def concluded_lost(flight: FormationFlight) -> NDArray[np.bool_]:
     """Tell of each craft (n, m) whether the governor concluded that it is lost."""
     told = flight.lost.shape == flight.healthy.shape  # a law that concludes nothing tells nothing

@@ -133,7 +133,7 @@ def _diagrams(run: Flown, scale: str) -> dict[str, Draw]:
         "admissible": of_all(
             ["all", "admissible"],
             lambda i: (style.MUTED, style.AXIS_COLORS[0])[i],
-            values=np.column_stack([flight.iterations, flight.n_admissible]).astype(float),
+            values=np.column_stack([flight.iterations, series.admissible(flight)]),
             title="Candidates", unit="-", scale="log", **_HELD,
         ),
         "margin": of_all(

@@ -8,6 +8,7 @@ from typing import Any, Final
 from spacecraft_gnc.drawing.table import NOTHING, Row, rounded
 from spacecraft_gnc.vehicles.formation.flown import Flown
 from spacecraft_gnc.vehicles.formation.summary import counts, deadlock_text, kept_text, lost_texts
+from spacecraft_gnc.vehicles.formation.telemetry import counts as word_counts
 
 
 def _counted(name: str) -> Callable[[Flown], str]:
@@ -32,7 +33,12 @@ def _unknown(_: Any) -> str:
 
 def _nearest_limit(run: Flown) -> str:
     """Return which constraint had the least room, and at how many steps."""
-    return counts(run.telemetry.counts()) or NOTHING
+    return counts(word_counts(run.telemetry.constraint)) or NOTHING
+
+
+def _refused(run: Flown) -> str:
+    """Return which constraint kept the governor from the cheapest shifts, likewise."""
+    return counts(word_counts(run.telemetry.refused)) or NOTHING
 
 
 def _deadlocks(run: Flown) -> str:
@@ -67,6 +73,7 @@ ROWS: Final = (
     Row("Governor's answers", text=_counted("answers")),
     Row("Least room along a prediction", "min_margin", "% of the limit", factor=100.0),
     Row("Least room ahead of (steps)", "steps", text=_nearest_limit),
+    Row("Cheapest shifts refused for (steps)", "steps", text=_refused),
     Row("Time of the governor, median", "solve_time_median", "ms", factor=1e3),
     Row("Time of the governor, 99 % below", "solve_time_p99", "ms", factor=1e3),
     Row("Time of the governor, longest", "solve_time_max", "ms", factor=1e3),

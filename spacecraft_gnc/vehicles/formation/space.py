@@ -82,9 +82,13 @@ def _readout(run: Flown) -> Iterator[Readout]:
     yield Readout("delta-v spent [m/s]", series.spent(run))
     if series.governor_chose(flight):
         yield Readout("time shifts [steps]", series.shifts(flight), _standings(run))
-        yield Readout("cost W", held(flight.shift_cost))
+        yield Readout("cost W", held(flight.shift_cost), _notes(run.telemetry.refused, "refused: "))
         yield Readout("cost Omega", held(flight.state_cost))
-        yield Readout("admissible candidates", held(flight.n_admissible).astype(float))
-        names = run.telemetry.constraint
-        notes = [name or "none" for name in (*names, *names[-1:])]
-        yield Readout("least room ahead [%]", held(series.room_percent(flight)), notes)
+        yield Readout("admissible candidates", held(series.admissible(flight)))
+        room = held(series.room_percent(flight))
+        yield Readout("least room ahead [%]", room, _notes(run.telemetry.constraint))
+
+
+def _notes(words: Sequence[str], before: str = "") -> list[str]:
+    """Return notes of the states (n + 1,) from words of the steps; nothing where none are known."""
+    return [before + word if word else "none" for word in (*words, *words[-1:])]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, NamedTuple
 
-from spacecraft_gnc.recording.columns import read_columns
+from spacecraft_gnc.recording.columns import Columns, read_columns
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.vehicles.formation.signals import GOVERNOR_STATUS
 
@@ -20,12 +20,10 @@ class Telemetry(NamedTuple):
     missed_deadlines: int | None = None
     """Steps of a free run whose command came too late; None: no free run."""
     constraint: tuple[str, ...] = ()
-    """Of each step: name of the constraint with the least room along the prediction; empty where
-    nothing is known."""
-
-    def counts(self) -> dict[str, int]:
-        """Return at how many steps each constraint had the least room, the most frequent first."""
-        return dict(Counter(name for name in self.constraint if name).most_common())
+    """Of each step: the constraint with the least room along the prediction; empty: none."""
+    refused: tuple[str, ...] = ()
+    """Of each step: the one that the cheapest candidate would exceed the most; empty: that
+    candidate is chosen."""
 
 
 def telemetry(
@@ -37,9 +35,21 @@ def telemetry(
     found = read_columns(bag, [WALL_TIMING, GOVERNOR_STATUS], namespace)
     missed = found[WALL_TIMING].fields.get("missed_deadlines")
     count = 0 if missed is None or not missed.size else int(missed.max())
-    status = found[GOVERNOR_STATUS]
-    told = [""] * flight.n_steps
-    for step, name in zip(status.steps.tolist(), status.fields.get("constraint", ()), strict=False):
-        if step < flight.n_steps:
-            told[step] = str(name)
-    return Telemetry(count if is_free else None, tuple(told))
+    constraint, refused = (
+        _words(found[GOVERNOR_STATUS], name, flight.n_steps) for name in ("constraint", "refused")
+    )
+    return Telemetry(count if is_free else None, constraint, refused)
+
+
+def _words(status: Columns, name: str, n_steps: int) -> tuple[str, ...]:
+    """Return a field of text of each step; empty where nothing is known."""
+    told = [""] * n_steps
+    for step, word in zip(status.steps.tolist(), status.fields.get(name, ()), strict=False):
+        if step < n_steps:
+            told[step] = str(word)
+    return tuple(told)
+
+
+def counts(words: tuple[str, ...]) -> dict[str, int]:
+    """Return at how many steps each word stands, the most frequent first."""
+    return dict(Counter(word for word in words if word).most_common())
