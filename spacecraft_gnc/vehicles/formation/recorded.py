@@ -20,7 +20,7 @@ from spacecraft_gnc.recording.aligned import (
 )
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import NO_COLUMNS, Columns, read_columns
-from spacecraft_gnc.recording.steps import flight_namespace
+from spacecraft_gnc.recording.steps import craft_in
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.formation.craft import craft
@@ -66,7 +66,8 @@ def read_recorded(
     RecordingError
         If there is no whole control step in it.
     """
-    commands = tuple(COMMAND.of(name) for name in craft_in(bag, namespace, scenario))
+    names = craft_in(bag, COMMAND, STATE, namespace) if scenario is None else craft(scenario)
+    commands = tuple(COMMAND.of(name) for name in names)
     columns = read_columns(bag, (*_SIGNALS, *commands), namespace, progress)
     n = _whole_steps(bag, columns, commands)
     period = period_of(columns[STATE]) if scenario is None else scenario.period
@@ -85,15 +86,6 @@ def read_recorded(
     flight = FormationFlight(period=period, time=times_of(n, columns[STATE], period), **values)
     missing = missing_steps(columns, STATE, (*commands, REFERENCE, GOVERNOR_STATUS))
     return Recorded(flight, missing, _overridden(columns, commands))
-
-
-def craft_in(bag: Bag, namespace: str | None, scenario: Scenario | None) -> tuple[str, ...]:
-    """Return the craft of a flight: the scenario's, or else those with commands, by name."""
-    if scenario is not None:
-        return craft(scenario)
-    prefix, end = f"{flight_namespace(bag, namespace, [STATE])}/", f"/{COMMAND}"
-    within = (topic.removeprefix(prefix) for topic in bag.topics if topic.startswith(prefix))
-    return tuple(sorted(name.removesuffix(end) for name in within if name.endswith(end)))
 
 
 def _whole_steps(bag: Bag, columns: Mapping[Signal, Columns], commands: Sequence[Signal]) -> int:

@@ -110,10 +110,11 @@ FORGED = {
     "commanded position": (REFERENCE, add("position", 1e-6, 2), "reference = "),
     "commanded velocity": (REFERENCE, add("velocity", 1e-9, 2), "reference = "),
     "law": (GOVERNOR_STATUS, put("law", "none"), "law of the governor"),
-    "passed": (GOVERNOR_STATUS, put("status", 4), "law of the governor"),
+    "passed": (GOVERNOR_STATUS, put("status", 5), "law of the governor"),
     "held": (GOVERNOR_STATUS, put("status", 1), "shifts held: no candidate"),
-    "least violation": (GOVERNOR_STATUS, put("status", 2), "shifts held: no candidate"),
-    "passage": (GOVERNOR_STATUS, put("status", 3), "passage"),
+    "longest kept": (GOVERNOR_STATUS, put("status", 2), "shifts held: no candidate"),
+    "least violation": (GOVERNOR_STATUS, put("status", 3), "shifts held: no candidate"),
+    "passage": (GOVERNOR_STATUS, put("status", 4), "passage: begins"),
     "cost": (GOVERNOR_STATUS, add("cost", 1e-5), "cost of the shifts"),
     "shift cost": (GOVERNOR_STATUS, add("shift_cost", 1.0), "cost of the shifts"),
     "state cost": (GOVERNOR_STATUS, add("state_cost", 1e-5), "cost of the shifts"),
@@ -149,9 +150,11 @@ def test_what_was_flown_passes(bag):
         "applied where no command came in time",
         "no craft concluded lost that answers",
         "passage: begins at a deadlock, nearer with each formation",
+        "passage: goes on until the formation is attained",
         "shifts held = the last ones",
         "shifts held: no candidate is admissible",
         "shifts: no candidate exceeds a limit by less",
+        "shifts: no candidate keeps the limits longer",
     }
 
 

@@ -11,108 +11,17 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.formation.audit.equations import (
-    ellipse,
-    gain,
-    hill_map,
-    mean_motion,
-    samples,
-    weights,
-)
-from spacecraft_gnc.vehicles.formation.scenario import Scenario
+from spacecraft_gnc.vehicles.formation.audit.loop import Loop
 
-ROUNDING: Final = 1e-9
-"""Share of a limit: measured 1e-13."""
 _NEVER: Final = -math.inf
 _NOW, _SOON = np.array([0]), np.array([1, 2, 4, 7, 12, 20])
 _BLOCK: Final = 1000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Loop:
-    """What the predictions of a scenario share.
-
-    Attributes
-    ----------
-    n, p, horizon, checks : int
-        Craft, shifts of each, steps predicted, instants of a step at which pairs are measured.
-    A, K, Q, R : arrays
-        Transition over a step, gain, weights.
-    parts : (checks, 3, 6) array
-        Positions at the instants of a step from the state after the impulse.
-    path : (p, checks, 6) array
-        Natural states at the same instants.
-    phases : (n,) array
-    delta_v, separation, angle : float
-        Limits with their margins [m/s], [m], [rad].
-    shift_weight : float
-    """
-
-    n: int
-    p: int
-    horizon: int
-    checks: int
-    A: Array
-    K: Array
-    Q: Array
-    R: Array
-    parts: Array
-    path: Array
-    phases: NDArray[np.int64]
-    delta_v: float
-    separation: float
-    angle: float
-    shift_weight: float
-
-    @classmethod
-    def of(cls, scenario: Scenario) -> Loop:
-        """Return that of a scenario."""
-        plant, g, period = scenario.plant, scenario.governor, scenario.period
-        rate, p = mean_motion(plant), samples(plant, period)
-        A, checks = hill_map(rate, period), g.prediction_substeps
-        instants = np.arange(checks) / checks
-        angles = 2.0 * math.pi / p * (np.arange(p)[:, None] + instants)
-        asked = plant.max_communication_angle_deg - g.communication_angle_margin_deg
-        return cls(
-            len(plant.spacecraft), p, g.horizon, checks, A, gain(A, scenario.controller.weights),
-            *weights(scenario.controller.weights),
-            np.stack([hill_map(rate, period * t)[:3] for t in instants]), ellipse(plant, angles),
-            np.asarray(g.phase, dtype=np.int64) % p, plant.max_delta_v - g.delta_v_margin,
-            plant.min_separation + g.separation_margin,
-            math.radians(asked) if asked < 180.0 else math.inf,
-            g.shift_weight,
-        )  # fmt: skip
-
-    @property
-    def slack(self) -> float:
-        """Share of a limit within which two predictions may differ about a constraint.
-
-        Beside rounding: a control period of which the orbit is a whole multiple within a tolerance
-        alone has a natural motion that misses its own next sample.
-        """
-        around = self.path[:, 0]
-        missed = np.abs(around @ self.A.T - np.roll(around, -1, axis=0))[:, :3].max()
-        return ROUNDING + 10.0 * self.horizon * float(missed) / self.separation
-
-    def commanded(self, steps: NDArray[np.int64], shifts: NDArray[np.int64]) -> Array:
-        """Return the natural states (m, n, 6) at steps (m,) under shifts (m, n)."""
-        return np.asarray(self.path[(steps[:, None] + self.phases + shifts) % self.p, 0])
-
-    def limit(self, name: str) -> float:
-        """Return the limit of a constraint, with its margin [m/s], [m], [deg]."""
-        limits = self.delta_v, self.separation, math.degrees(self.angle)
-        return dict(zip(("delta-v", "separation", "angle"), limits, strict=True))[name]
-
-    def apart(self) -> Array:
-        """Return W of a pair (p, p)."""
-        ahead = (np.arange(self.p)[:, None] - np.arange(self.p)) % self.p
-        return np.asarray(self.shift_weight * np.minimum(ahead, self.p - ahead) ** 2.0)
 
 
 class Predicted(NamedTuple):
@@ -218,22 +127,37 @@ class Limits:
             worst = np.full(len(a), _NEVER)
             for block in range(0, len(a), _BLOCK):
                 part = slice(block, block + _BLOCK)
-                worst[part] = self._worst(i, j, a[part], b[part], instants)
+                worst[part] = self._shares(i, j, a[part], b[part], instants).max(axis=1)
             found[a, b] = worst
             a, b = a[worst <= most], b[worst <= most]
         return found
 
-    def _worst(
+    def kept_until(self, i: int, j: int, most: float) -> NDArray[np.int64]:
+        """Return the instants (p, p) at which a share of a pair first is beyond ``most``.
+
+        Where none is, their number.
+        """
+        p, r = self.loop.p, self.made.positions.shape[2]
+        found = np.full((p, p), r)
+        if self.lost[i] and self.lost[j]:
+            return found
+        b, every = np.arange(p), np.arange(r)
+        for a in range(p):
+            beyond = self._shares(i, j, np.full(p, a), b, every) > most
+            found[a] = np.where(beyond.any(axis=1), beyond.argmax(axis=1), r)
+        return found
+
+    def _shares(
         self, i: int, j: int, a: NDArray[np.int64], b: NDArray[np.int64], at: NDArray[np.int64]
     ) -> Array:
-        """Return the worst shares (m,) of shifts (m,), (m,) at some instants."""
+        """Return the larger share (m, r) of both constraints under shifts (m,), (m,)."""
         made = self.made
         apart = made.positions[i][:, at][a] - made.positions[j][:, at][b]
-        worst = separation(self.loop, apart).max(axis=1)
+        shares = separation(self.loop, apart)
         if self._directions(i, j):
             wanted = made.commanded[i][:, at][a] - made.commanded[j][:, at][b]
-            worst = np.maximum(worst, angle(self.loop, apart, wanted).max(axis=1))
-        return np.asarray(worst)
+            shares = np.maximum(shares, angle(self.loop, apart, wanted))
+        return shares
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -247,11 +171,14 @@ class Candidates:
         Largest share by which a candidate exceeds a limit; infinite: it is none.
     cost : (p,) * n array
         W + Omega.
+    own : n arrays (p,)
+        Worst share of each craft alone.
     """
 
     limits: Limits
     worst: Array
     cost: Array
+    own: tuple[Array, ...]
 
     @classmethod
     def at(
@@ -280,7 +207,21 @@ class Candidates:
             np.maximum(worst, _spread(found, (i, j), n), out=worst)
             if not (lost[i] or lost[j]):
                 cost += _spread(apart, (i, j), n)
-        return cls(limits, worst, cost)
+        return cls(limits, worst, cost, tuple(own))
+
+    def kept_until(self, most: float) -> NDArray[np.int64]:
+        """Return the instants (p,) * n at which a share of a pair first is beyond ``most``.
+
+        -1 where a craft's own is.
+        """
+        n, p = self.limits.loop.n, self.limits.loop.p
+        found = np.full((p,) * n, self.limits.made.positions.shape[2])
+        for i, j in combinations(range(n), 2):
+            until = self.limits.kept_until(i, j, most)
+            np.minimum(found, _spread(until, (i, j), n), out=found)
+        for i in range(n):
+            found[np.broadcast_to(_spread(self.own[i] > most, (i,), n), found.shape)] = -1
+        return found
 
     def costs(self, shifts: NDArray[np.int64]) -> tuple[float, float]:
         """Return W and Omega of one candidate."""
@@ -289,7 +230,7 @@ class Candidates:
         return W, float(sum(self.limits.made.cost[i, shifts[i]] for i in able))
 
 
-def _spread(values: Array, craft: tuple[int, ...], n: int) -> Array:
+def _spread(values: NDArray[Any], craft: tuple[int, ...], n: int) -> NDArray[Any]:
     """Return values of one or two craft as an array that broadcasts over all n."""
     shape = [1] * n
     for axis, i in enumerate(craft):

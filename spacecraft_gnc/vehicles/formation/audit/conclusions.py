@@ -18,9 +18,10 @@ _FORMED: Final = "formed: shifts equal, error small"
 _RESPONSE: Final = "response of each craft to its delta-v"
 _LOST: Final = "craft concluded lost"
 _TRUTH: Final = "no craft concluded lost that answers"
-_WINDOW, _ASKED, _HALF = 3, 0.005, 0.5
-"""Steps over which a response is taken, delta-v from which on it tells [m/s], least response."""
-_ROUNDING: Final = 1e-9
+_ASKED, _HALF = 0.005, 0.5
+"""Delta-v from which on a response can be told [m/s], and the least of a craft that answers."""
+_ROUNDING: Final = 1e-8
+"""Of a response: 1e4 m of a position, in rounding, are 1e-14 m/s of a delta-v."""
 
 
 def audit_formed(told: Told, ledger: Ledger) -> None:
@@ -41,23 +42,15 @@ def audit_losses(told: Told, ledger: Ledger) -> None:
     """Measure the response of each craft, and conclude from it which are lost."""
     steps = told.steps
     given, asked = _responses(told)
-    response = np.full(given.shape, np.nan)
-    made = told.lost.copy()
-    for i in range(len(steps)):
-        window = slice(max(i - _WINDOW + 1, 0), i + 1)
-        total, answered = asked[window].sum(axis=0), given[window].sum(axis=0)
-        tells = (total >= _ASKED**2) & told.follows[i]
-        response[i, tells] = answered[tells] / total[tells]
-        if told.follows[i]:
-            made[i] = told.lost[i - 1] | (response[i] < _HALF)
-        elif steps[i] == 0:
-            made[i] = False
+    tells = asked >= _ASKED**2
+    response = np.where(tells, given / np.where(tells, asked, 1.0), np.nan)
     where, found = f"{GOVERNOR_STATUS}.response", told.by_craft("response")
-    known = np.asarray((np.isnan(found) == np.isnan(response)).all(axis=1))
-    ledger.require(f"{_RESPONSE}: known", "where enough was asked", steps, where, known)
-    both = ~(np.isnan(found) | np.isnan(response)).any(axis=1)
-    limit = 1e-6 + np.zeros(int(both.sum()))
-    ledger.bound(_RESPONSE, steps[both], where, (found - response)[both], limit)
+    off = np.where(np.isnan(found) & np.isnan(response), 0.0, found - response)
+    ledger.bound(_RESPONSE, steps, where, off, _ROUNDING)
+    before = np.roll(told.lost, 1, axis=0) & told.follows[:, None]
+    made = before | (response < _HALF)
+    unknown = ~told.follows & (steps > 0)  # what was concluded in a gap
+    made[unknown] |= told.lost[unknown]
     where = f"{GOVERNOR_STATUS}.lost"
     told_lost = {where: told.by_craft("lost")}
     ledger.compare(_LOST, steps, told_lost, {where: made.astype(float)})

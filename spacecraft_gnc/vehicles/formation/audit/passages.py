@@ -103,7 +103,8 @@ class _Deadlocks:
         before = np.roll(np.arange(len(self.steps)), 1)
         left, last = self.left, self.left[before]
         begun = (self.deadlocked & (left != _NO_WAY))[before] | passes[before]
-        nearer = np.where(self.same, left == last, left < last)
+        begun &= self.told.field("formed")[before] == 0.0
+        nearer = np.where(self.same, left == last, left < np.maximum(last, 1.0))
         kept = ((begun & nearer & self.same_craft) | ~self.told.follows)[passes]
         kept[0] &= self.told.follows[passes][0]
         self.ledger.require(_PASSAGE, "as defined", self.steps[passes], where, kept)

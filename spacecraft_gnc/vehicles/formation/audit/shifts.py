@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
-from typing import Final, NamedTuple
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,9 @@ from numpy.typing import NDArray
 from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.types import Array
-from spacecraft_gnc.vehicles.formation.audit.candidates import Candidates, Loop
+from spacecraft_gnc.vehicles.formation.audit.enumerated import Found, enumerate_step
+from spacecraft_gnc.vehicles.formation.audit.loop import Loop
+from spacecraft_gnc.vehicles.formation.audit.rooms import Room, names_the_least, when, worst_of
 from spacecraft_gnc.vehicles.formation.audit.told import Told
 from spacecraft_gnc.vehicles.formation.craft import craft
 from spacecraft_gnc.vehicles.formation.decision import Answer
@@ -25,58 +26,10 @@ _COUNT: Final = "candidates: admissible ones counted"
 _ROOM: Final = "constraint with the least room"
 _REFUSED: Final = "constraint that the cheapest candidate would exceed"
 _HELD: Final = "shifts held: no candidate is admissible"
+_LONGEST: Final = "shifts: no candidate keeps the limits longer"
 _LEAST: Final = "shifts: no candidate exceeds a limit by less"
-_WORDS: Final = re.compile(
-    r"(?P<name>delta-v|separation|angle between actual and commanded direction) of "
-    r"(?P<craft>.+?): (?P<value>\S+) (?P<unit>\S+), limit (?P<limit>\S+) \S+, "
-    r"(?:now|in (?P<ahead>\S+) steps)$"
-)
-_DIGITS: Final = 1.1e-3
-"""Share by which numbers of four digits may differ."""
-
-
-class Room(NamedTuple):
-    """A constraint along the prediction of one candidate."""
-
-    name: str
-    craft: tuple[int, ...]
-    shares: Array
-    """(r,) by which its limit is exceeded at each instant."""
-    checks: int
-    """Instants in a control step."""
-
-    @property
-    def share(self) -> float:
-        """The largest."""
-        return float(self.shares.max())
-
-    def at(self, ahead: float) -> float:
-        """Return that of an instant [control steps]; NaN where there is none."""
-        instant = round(ahead * self.checks)
-        return float(self.shares[instant]) if 0 <= instant < len(self.shares) else math.nan
-
-
-class Found(NamedTuple):
-    """What the enumeration of one step found."""
-
-    shift_cost: float
-    state_cost: float
-    share: float
-    """Worst of the chosen shifts."""
-    cheapest: float
-    """Cost of the cheapest candidate that is admissible beyond rounding; infinite: none."""
-    certain: int
-    """Candidates that are admissible beyond rounding."""
-    possible: int
-    """Those that may be."""
-    least: float
-    """Least worst share of all candidates; NaN: it is positive, or not looked for."""
-    rooms: tuple[Room, ...]
-    """Of the chosen shifts."""
-    wish: tuple[Room, ...]
-    """Of the cheapest candidate of all."""
-    gain: float
-    """By how much that costs less than the chosen shifts."""
+_GOES_ON: Final = "passage: goes on until the formation is attained"
+_NONE_ADMISSIBLE: Final = (Answer.HELD, Answer.LONGEST_KEPT, Answer.LEAST_VIOLATING)
 
 
 def audit_shifts(told: Told, ledger: Ledger, progress: Progress | None) -> None:
@@ -89,57 +42,13 @@ def audit_shifts(told: Told, ledger: Ledger, progress: Progress | None) -> None:
     at = np.flatnonzero(usable)
     found: list[Found] = []
     for count, i in enumerate(at.tolist()):
-        found.append(_enumerate(told, loop, i))
+        found.append(enumerate_step(told, loop, i))
         if progress is not None:
             progress(count + 1, len(at))
     if found:
         _Entries(told, loop, ledger, at, found).enter()
     else:
         ledger.skip(ADMISSIBLE, "no step has a state and shifts")
-
-
-def _enumerate(told: Told, loop: Loop, i: int) -> Found:
-    """Return what is true of one step."""
-    step, shifts, lost = int(told.steps[i]), told.shifts[i], told.lost[i]
-    answer = told.field("status")[i]
-    slack = loop.slack
-    most = math.inf if answer == Answer.LEAST_VIOLATION else slack
-    made = Candidates.at(loop, step, told.states[i], lost, shifts, most)
-    certain, possible = made.worst <= -slack, made.worst <= slack
-    open_to = np.where(np.isinf(made.worst) & _fixed(lost, shifts, loop.p), np.inf, made.cost)
-    wish = np.array(np.unravel_index(open_to.argmin(), open_to.shape))
-    rooms = _rooms(made, shifts)
-    costs = made.costs(shifts)
-    return Found(
-        *costs,
-        max(room.share for room in rooms) if rooms else -math.inf,
-        float(made.cost[certain].min(initial=math.inf)),
-        int(certain.sum()),
-        int(possible.sum()),
-        float(made.worst.min()) if most == math.inf else math.nan,
-        rooms,
-        _rooms(made, wish),
-        sum(costs) - float(open_to.min()),
-    )
-
-
-def _fixed(lost: NDArray[np.bool_], shifts: NDArray[np.int64], p: int) -> NDArray[np.bool_]:
-    """Return which of all combinations give a lost craft another shift than it has."""
-    n = len(shifts)
-    other = np.zeros((p,) * n, dtype=bool)
-    for i in np.flatnonzero(lost).tolist():
-        shape = [1] * n
-        shape[i] = p
-        other |= (np.arange(p) != shifts[i]).reshape(shape)
-    return other
-
-
-def _rooms(made: Candidates, shifts: NDArray[np.int64]) -> tuple[Room, ...]:
-    checks = made.limits.loop.checks
-    return tuple(
-        Room(name, which, shares, checks if len(which) > 1 else 1)
-        for name, which, shares in made.limits.along(shifts)
-    )
 
 
 class _Entries:
@@ -165,6 +74,7 @@ class _Entries:
         self._costs()
         self._counts()
         self._chosen()
+        self._goes_on()
         self._named("constraint", "margin", "rooms")
         self._named("refused", "refused_margin", "wish")
 
@@ -196,21 +106,49 @@ class _Entries:
         limit = self.slack * (1.0 + self._of("state_cost"))
         more = np.maximum(saved, 0.0)[best]
         self.ledger.bound(_OPTIMAL, steps[best], f"{where}.shift", more, limit[best])
-        none = np.isin(status, [Answer.HELD, Answer.LEAST_VIOLATION])
+        none = np.isin(status, _NONE_ADMISSIBLE)
         kept = self._of("certain")[none] == 0.0
         if none.any():
             self.ledger.require(_HELD, "none", steps[none], f"{GOVERNOR_STATUS}.status", kept)
         else:
             self.ledger.skip(_HELD, "at every step some were")
-        self._least_violation(share)
+        self._least_violating(share)
+        self._longest_kept()
 
-    def _least_violation(self, share: Array) -> None:
-        at = self.status == Answer.LEAST_VIOLATION
+    def _goes_on(self) -> None:
+        """Check that a passage goes on where the last shifts of a known way are admissible."""
+        told, before = self.told, self.at - 1
+        answer, way = told.field("status")[before], told.field("passages_left")[before] > 0.0
+        formed, same = told.field("formed")[before] == 1.0, told.lost[self.at] == told.lost[before]
+        begun = way | ((answer == Answer.PASSAGE) & ~formed)
+        goes_on = begun & same.all(axis=1) & (self._of("last") <= -self.slack)
+        if not goes_on.any():
+            self.ledger.skip(_GOES_ON, "there was none")
+            return
+        where, kept = f"{GOVERNOR_STATUS}.status", self.status[goes_on] == Answer.PASSAGE
+        self.ledger.require(_GOES_ON, "as defined", self.steps[goes_on], where, kept)
+
+    def _least_violating(self, share: Array) -> None:
+        at = self.status == Answer.LEAST_VIOLATING
         if not at.any():
             self.ledger.skip(_LEAST, "no step needed it")
             return
         off = np.maximum(share - np.maximum(self._of("least"), 0.0), 0.0)[at]
         self.ledger.bound(_LEAST, self.steps[at], f"{REFERENCE}.shift", off, self.slack)
+
+    def _longest_kept(self) -> None:
+        at = np.flatnonzero(self.status == Answer.LONGEST_KEPT)
+        if not at.size:
+            self.ledger.skip(_LONGEST, "no step needed it")
+            return
+        cost = self._of("shift_cost") + self._of("state_cost")
+        kept = []
+        for row in at.tolist():
+            until, longest, least = self.found[row].lasting
+            cheapest = cost[row] <= least + self.slack * (1.0 + cost[row])
+            kept.append(until >= longest and (until > longest or cheapest))
+        where = f"{REFERENCE}.shift"
+        self.ledger.require(_LONGEST, "up to rounding", self.steps[at], where, np.array(kept))
 
     def _named(self, name: str, share: str, mine: str) -> None:
         """Compare the constraint that is told, its room and its numbers in words."""
@@ -219,13 +157,14 @@ class _Entries:
         for row, (i, found) in enumerate(zip(self.at.tolist(), self.found, strict=True)):
             rooms: tuple[Room, ...] = getattr(found, mine)
             if name == "refused" and not words[i]:
-                kept[row] = found.gain <= self.slack * (1.0 + found.state_cost)
+                kept[row] = found.saved <= self.slack * (1.0 + found.state_cost)
                 off[row] = 0.0 if told[row] == math.inf else math.inf
                 continue
-            worst = max((room.share for room in rooms), default=-math.inf)
+            worst = worst_of(rooms)
             off[row] = 0.0 if told[row] == -worst else told[row] + worst
-            kept[row] = self._matches(words[i], rooms, worst) and (
-                name == "refused" or words[i].endswith(_when(ahead[row]))
+            kept[row] = names_the_least(words[i], rooms, self.loop, self.names)
+            kept[row] &= (
+                found.saved > 0.0 if name == "refused" else words[i].endswith(when(ahead[row]))
             )
         check = _ROOM if name == "constraint" else _REFUSED
         where = f"{GOVERNOR_STATUS}.{share}"
@@ -233,31 +172,3 @@ class _Entries:
         self.ledger.bound(check, self.steps, where, off, self.slack * size)
         where = f"{GOVERNOR_STATUS}.{name}"
         self.ledger.require(f"{check}: in words", "as found", self.steps, where, kept)
-
-    def _matches(self, words: str, rooms: tuple[Room, ...], worst: float) -> bool:
-        """Tell whether words name a constraint with the least room, when, and its numbers."""
-        said = _WORDS.match(words)
-        if said is None:
-            return False
-        told = said["craft"].split(" and ")
-        which = tuple(i for i, name in enumerate(self.names) if name in told)
-        for room in rooms:
-            if said["name"].startswith(room.name) and which == room.craft:
-                then = room.at(float(said["ahead"] or 0.0))
-                return self._in_numbers(said, room) and then >= worst - self.slack * (
-                    1.0 + abs(worst)
-                )
-        return False
-
-    def _in_numbers(self, said: re.Match[str], room: Room) -> bool:
-        """Tell whether limit and value are as told, to four digits."""
-        limit = self.loop.limit(room.name)
-        sense = -1.0 if room.name == "separation" else 1.0
-        value = limit * (1.0 + sense * room.share)
-        pairs = (float(said["limit"]), limit), (float(said["value"]), value)
-        return all(abs(one - other) <= _DIGITS * max(limit, abs(other)) for one, other in pairs)
-
-
-def _when(ahead: float) -> str:
-    """Return the end of words about something in so many steps."""
-    return "now" if ahead == 0.0 else f"in {ahead:g} steps"

@@ -1,0 +1,93 @@
+"""What an enumeration of all candidates finds of one control step."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spacecraft_gnc.vehicles.formation.audit.candidates import Candidates
+from spacecraft_gnc.vehicles.formation.audit.loop import Loop
+from spacecraft_gnc.vehicles.formation.audit.rooms import Room, rooms_of, worst_of
+from spacecraft_gnc.vehicles.formation.audit.told import Told
+from spacecraft_gnc.vehicles.formation.decision import Answer
+
+
+class Found(NamedTuple):
+    """What the enumeration of one step found."""
+
+    shift_cost: float
+    state_cost: float
+    share: float
+    """Worst of the chosen shifts."""
+    last: float
+    """Worst of the shifts of the step before; NaN: not known."""
+    cheapest: float
+    """Cost of the cheapest candidate that is admissible beyond rounding; infinite: none."""
+    certain: int
+    """Candidates that are admissible beyond rounding."""
+    possible: int
+    """Those that may be."""
+    least: float
+    """Least worst share of all candidates; NaN: it is positive, or not looked for."""
+    rooms: tuple[Room, ...]
+    """Of the chosen shifts."""
+    wish: tuple[Room, ...]
+    """Of the cheapest candidate of all."""
+    saved: float
+    """By how much that costs less than the chosen shifts."""
+    lasting: tuple[int, int, float]
+    """Of LONGEST_KEPT alone: the instants up to which the chosen shifts may keep all limits, those
+    of the best candidate beyond rounding, and the least cost of those that keep them as long."""
+
+
+def enumerate_step(told: Told, loop: Loop, i: int) -> Found:
+    """Return what is true of one step."""
+    step, shifts, lost = int(told.steps[i]), told.shifts[i], told.lost[i]
+    answer = told.field("status")[i]
+    slack = loop.slack
+    most = math.inf if answer == Answer.LEAST_VIOLATING else slack
+    made = Candidates.at(loop, step, told.states[i], lost, shifts, most)
+    certain, possible = made.worst <= -slack, made.worst <= slack
+    open_to = np.where(_closed(lost, shifts, loop.p), np.inf, made.cost)
+    wish = np.array(np.unravel_index(open_to.argmin(), open_to.shape))
+    rooms, costs = rooms_of(made, shifts), made.costs(shifts)
+    return Found(
+        *costs,
+        worst_of(rooms),
+        _of_last(made, told, i),
+        float(made.cost[certain].min(initial=math.inf)),
+        int(certain.sum()),
+        int(possible.sum()),
+        float(made.worst.min()) if most == math.inf else math.nan,
+        rooms,
+        rooms_of(made, wish),
+        sum(costs) - float(open_to.min()),
+        _lasting(made, shifts, slack) if answer == Answer.LONGEST_KEPT else (0, 0, math.inf),
+    )
+
+
+def _of_last(made: Candidates, told: Told, i: int) -> float:
+    last = told.shifts[i - 1]
+    known = told.follows[i] and (last < made.limits.loop.p).all()
+    return worst_of(rooms_of(made, last)) if known else math.nan
+
+
+def _lasting(made: Candidates, shifts: NDArray[np.int64], slack: float) -> tuple[int, int, float]:
+    until = int(made.kept_until(slack)[tuple(shifts)])
+    certain = made.kept_until(-slack)
+    as_long = certain >= max(until, 0)
+    return until, int(certain.max()), float(made.cost[as_long].min(initial=math.inf))
+
+
+def _closed(lost: NDArray[np.bool_], shifts: NDArray[np.int64], p: int) -> NDArray[np.bool_]:
+    """Return which of all combinations give a lost craft another shift than it has."""
+    n = len(shifts)
+    other = np.zeros((p,) * n, dtype=bool)
+    for i in np.flatnonzero(lost).tolist():
+        shape = [1] * n
+        shape[i] = p
+        other |= (np.arange(p) != shifts[i]).reshape(shape)
+    return other
