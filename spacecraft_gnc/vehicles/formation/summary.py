@@ -193,8 +193,9 @@ def deadlock_text(m: dict[str, Any]) -> str:
     """Return how often the craft were parked in another formation, and how they got out."""
     times = "once" if m["deadlocks"] == 1 else f"{m['deadlocks']} times"
     passed = f"{m['passages']} passage{'s' if m['passages'] != 1 else ''}"
-    end = "NOT resolved" if m["deadlocked"] else f"resolved by {passed}"
-    return f"{times}, {end}"
+    if m["deadlocked"]:
+        return f"{times}, NOT resolved"
+    return f"{times}, {'left' if m['formed_at_step'] is None else 'resolved'} by {passed}"
 
 
 def lost_texts(m: dict[str, Any]) -> list[str]:

@@ -21,6 +21,10 @@ def texts(m):
     return dict(lines(m))
 
 
+def _kept(flown):
+    return {name: getattr(flown, name) for name in ("status", "deadlocked", "time_shift")}
+
+
 def test_the_metrics_are_those_of_the_arrays():
     m = metrics(flight(), scenario())
     json.dumps(m, allow_nan=False)
@@ -104,6 +108,9 @@ def test_a_deadlock_is_told_with_the_way_out():
     m = metrics(parked(), scenario())
     assert (m["deadlocked"], m["deadlocks"], m["passages"]) == (False, 1, 2)
     assert texts(m)["deadlock"] == "once, resolved by 2 passages"
+    away = parked().reference_position + np.array([0.0, 0.0, 50.0])
+    m = metrics(flight(**{**_kept(parked()), "reference_position": away}), scenario())
+    assert texts(m)["deadlock"] == "once, left by 2 passages"  # the flight ends on the way
     m = metrics(parked(resolved=False), scenario())
     assert (m["deadlocked"], m["deadlocks"], m["formed_at_step"]) == (True, 1, None)
     assert texts(m)["deadlock"] == "once, NOT resolved"
