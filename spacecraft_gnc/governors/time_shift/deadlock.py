@@ -16,7 +16,7 @@ import numpy as np
 
 from spacecraft_gnc.governors.time_shift import choice
 from spacecraft_gnc.governors.time_shift.choice import Choice
-from spacecraft_gnc.governors.time_shift.passages import NO_PASSAGE, Passages
+from spacecraft_gnc.governors.time_shift.passages import NO_PASSAGE, Passages, passages
 from spacecraft_gnc.governors.time_shift.prediction import Mask, Prediction, Predictor
 from spacecraft_gnc.governors.time_shift.problem import Integers
 
@@ -89,5 +89,5 @@ class DeadlockWatch:
     def _of(self, lost: Mask) -> Passages:
         key = lost.tobytes()
         if key not in self._passages:
-            self._passages[key] = Passages(self._predictor, lost)
+            self._passages[key] = passages(self._predictor, lost)
         return self._passages[key]

@@ -23,6 +23,8 @@ _MOST_CLASSES: Final = 10_000  # of which each may have an edge to each: 100 MB
 _MOST_PAIRS: Final = 10**8  # pairs of transitions of two craft: likewise
 _MOST_WORK: Final = 10**11  # places before and after of all craft together
 
+_MOST_KEPT: Final = 8  # searches of the process, of which each took seconds
+
 NO_PASSAGE: Final = -1
 """Distance of a class from which no passage leads to the desired formation."""
 
@@ -59,6 +61,25 @@ class Passages:
 
     def _class_of(self, shifts: Integers) -> int:
         return int(_choice_kernels.class_of(shifts, self._counted, self._phases, self._p))
+
+
+_kept: dict[tuple[object, ...], Passages] = {}
+
+
+def passages(predictor: Predictor, lost: Mask) -> Passages:
+    """Return the passages of a problem, searched once in a process: flights of a campaign share it.
+
+    Arguments are those of `Passages`.
+    """
+    problem = predictor.problem
+    arrays = (problem.state_map, problem.gain, problem.natural, problem.phases, lost)
+    limits = (problem.max_delta_v, problem.min_separation, problem.max_angle)
+    key = (*(array.tobytes() for array in arrays), *limits, problem.horizon, problem.substeps)
+    if key not in _kept:
+        while len(_kept) >= _MOST_KEPT:
+            del _kept[next(iter(_kept))]
+        _kept[key] = Passages(predictor, lost)
+    return _kept[key]
 
 
 def is_searchable(p: int, n: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 
@@ -14,6 +15,7 @@ from spacecraft_gnc.governors.time_shift.passages import (
     NO_PASSAGE,
     Passages,
     is_searchable,
+    passages,
 )
 from spacecraft_gnc.governors.time_shift.prediction import Predictor
 
@@ -50,26 +52,26 @@ def test_transitions_are_those_of_the_enumeration(problem):
     while border:
         border = {c for c in classes() if c not in far and edges[c] & border}
         far |= {c: max(far.values()) + 1 for c in border}
-    passages = Passages(Predictor(problem), NO_LOSS)
-    found = {c: passages.distance(np.array([0, *c])) for c in classes()}
+    searched = Passages(Predictor(problem), NO_LOSS)
+    found = {c: searched.distance(np.array([0, *c])) for c in classes()}
     assert found == {c: far.get(c, NO_PASSAGE) for c in classes()}
     assert {0, 1, 2, 3, NO_PASSAGE} <= set(found.values())
 
 
 def test_a_common_shift_makes_no_difference(problem):
-    passages = Passages(Predictor(problem), NO_LOSS)
+    searched = Passages(Predictor(problem), NO_LOSS)
     for parked in classes():
         shifts = np.array([0, *parked])
-        distances = {passages.distance((shifts + common) % P) for common in range(P)}
+        distances = {searched.distance((shifts + common) % P) for common in range(P)}
         assert len(distances) == 1
 
 
 def test_a_lost_craft_is_left_out(problem):
     lost = np.array([False, True, False])
-    passages = Passages(Predictor(problem), lost)
-    assert len(passages.distances) == P
-    assert passages.distance(np.array([2, 7, 2])) == 0
-    assert passages.distance(np.array([0, 0, 1])) != 0
+    searched = Passages(Predictor(problem), lost)
+    assert len(searched.distances) == P
+    assert searched.distance(np.array([2, 7, 2])) == 0
+    assert searched.distance(np.array([0, 0, 1])) != 0
 
 
 def test_graphs_too_large_are_not_searched():
@@ -80,3 +82,13 @@ def test_graphs_too_large_are_not_searched():
     assert not is_searchable(500, 2)
     lost = np.array([True, True, True, False])
     assert Passages(Predictor(problem), lost).distance(np.zeros(4, dtype=np.int64)) == NO_PASSAGE
+
+
+def test_governors_of_one_problem_share_a_search(problem):
+    first = passages(Predictor(problem), NO_LOSS)
+    assert passages(Predictor(dataclasses.replace(problem)), NO_LOSS.copy()) is first
+    assert passages(Predictor(problem), np.array([False, True, False])) is not first
+    wide = dataclasses.replace(problem, max_angle=math.pi)
+    others = passages(Predictor(wide), NO_LOSS)
+    np.testing.assert_array_equal(others.distances, Passages(Predictor(wide), NO_LOSS).distances)
+    assert (others.distances != first.distances).any()
