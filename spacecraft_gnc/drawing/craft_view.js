@@ -38,7 +38,7 @@ class Swarm {
     const anyBroken = run.links.some(({ kept }) => kept.includes(false));
     const styles = [
       line({ name: "natural ellipse", showlegend: run.ring.length > 0, line: { color: view.ringColor, width: 3, dash: "dash" } }),
-      line({ name: "constraints of a pair kept", showlegend: run.links.length > 0, line: { color: view.keptColor, width: 2 } }),
+      line({ name: "limits of a pair kept", showlegend: run.links.length > 0, line: { color: view.keptColor, width: 2 } }),
       line({ name: "broken", showlegend: anyBroken, line: { color: view.brokenColor, width: 6 } }),
       ...run.craft.flatMap(({ name, color }) => [
         line({ line: { color, width: 4 } }),

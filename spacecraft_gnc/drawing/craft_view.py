@@ -117,7 +117,7 @@ def scene(
         "ink": style.INK,
         "grid": style.GRID_COLOR,
         "ringColor": _MUTED,
-        "keptColor": style.AXIS_COLORS[2],
+        "keptColor": style.MUTED,
         "brokenColor": style.LIMIT_COLOR,
         "axes": list(axes),
         "runs": [_run_data(motion, points) for motion in motions],

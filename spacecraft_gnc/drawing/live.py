@@ -36,6 +36,8 @@ class Series(NamedTuple):
     """Of a number itself, or of the components of an array; empty: they are numbered."""
     color: str = ""
     """Empty: one for each component."""
+    first: int = 0
+    """Place of the first component's color among those, so that other values have other ones."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,8 +130,10 @@ class VehicleLive(Protocol):
         ``rims`` (m, k, 3) of wheels in the body (`drawing.geometry.rim`), if there are any, are
         drawn on the sphere. Where there are ``bodies`` (`Cuboid`), these are drawn in place of it,
         the first at rest in the origin, with ``region`` (8, 3), corners in the order of
-        `drawing.solids.CORNERS`, and ``trail``, name of the value that is their path. The rest is
-        numbers and words.
+        `drawing.solids.CORNERS`, and ``trail``, name of the value that is their path. Where there
+        are ``craft``, names, these are drawn as points, with ``ring`` (k, 3), the closed path that
+        they are to be on, and ``trail``, name of the value (m, 3) that is where they are. The rest
+        is numbers and words.
         """
 
     def panels(self, scenario: Any) -> Sequence[Panel]:
@@ -142,6 +146,9 @@ class VehicleLive(Protocol):
         wheels ``turning`` (m,), speed over its limit, ``healthy`` and ``diagnosed`` (m,), whether
         each works and whether it counts as working on board. Bodies are where ``bodies`` has them,
         by name: ``position`` (3,) and ``attitude`` (3, 3); ``aim`` (3,) is where the path is to go.
+        Craft are where the trail has them, and are to be at ``places`` (m, 3); ``links`` has
+        [first, second, whether their constraints are kept] of each pair, flat, and ``answers``
+        (m,) whether each does what it is told.
         """
 
     def readouts(self, values: Mapping[str, Any], governed: bool) -> dict[str, Iterable[Readout]]:

@@ -20,7 +20,7 @@ from spacecraft_gnc.vehicles.registry import vehicle_of
 from spacecraft_gnc.vehicles.vehicle import Vehicle
 
 _DIGITS: Final = 7  # significant, of a number that a page draws
-_DRAWN: Final = ("target", "zones", "rims", "bodies", "region", "trail")
+_DRAWN: Final = ("target", "zones", "rims", "bodies", "region", "craft", "ring", "trail")
 """Constants that are drawn, and no number or word."""
 _CIRCLE: Final = 72  # points of a circle on the sphere
 
@@ -159,6 +159,8 @@ class Setup:
             "wheels": [_points(wheel) for wheel in self.constants.get("rims", ())],
             "bodies": [body.as_json() for body in self.constants.get("bodies", ())],
             "region": _points(self.constants.get("region", ())),
+            "craft": list(self.constants.get("craft", ())),
+            "ring": _points(self.constants.get("ring", ())),
             "trail": self.constants.get("trail", ""),
         }
 

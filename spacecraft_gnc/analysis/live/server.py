@@ -39,6 +39,7 @@ _FILES: Final = {
     "/camera.js": ("camera.js", "text/javascript; charset=utf-8"),
     "/scene.js": ("scene.js", "text/javascript; charset=utf-8"),
     "/bodies.js": ("bodies.js", "text/javascript; charset=utf-8"),
+    "/craft.js": ("craft.js", "text/javascript; charset=utf-8"),
     "/charts.js": ("charts.js", "text/javascript; charset=utf-8"),
     "/panels.js": ("panels.js", "text/javascript; charset=utf-8"),
     "/status.js": ("status.js", "text/javascript; charset=utf-8"),

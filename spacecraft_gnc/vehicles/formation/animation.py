@@ -170,7 +170,7 @@ def _draw_links(axes: Axes, run: Flown, row: int) -> None:
     at, kept = KM * series.positions(run.trajectory)[row], series.pairs_kept(run)[row]
     for (first, second), is_kept in zip(pairs(len(at)).tolist(), kept.tolist(), strict=True):
         ends = at[[first, second]]
-        color = style.AXIS_COLORS[2] if is_kept else style.LIMIT_COLOR
+        color = style.MUTED if is_kept else style.LIMIT_COLOR
         axes.plot(ends[:, ALONG], ends[:, RADIAL], color=color, linewidth=0.8 if is_kept else 2.2,
                   alpha=0.7)  # fmt: skip
 

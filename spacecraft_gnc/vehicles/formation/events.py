@@ -44,8 +44,15 @@ _WITHOUT: Final = (Answer.HELD, Answer.LONGEST_KEPT, Answer.LEAST_VIOLATING)
 
 def standing(flight: FormationFlight) -> NDArray[np.int64]:
     """Return the `Standing` (n,) at each step; -1: not known."""
+    return standing_of(flight.status, flight.formed, flight.deadlocked)
+
+
+def standing_of(
+    status: NDArray[np.int64], formed: NDArray[np.bool_], deadlocked: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Return the `Standing` of each of several steps, from what the governor tells of them."""
     found = np.select(
-        [flight.status < 0, flight.formed, flight.status == Answer.PASSAGE, flight.deadlocked],
+        [status < 0, formed, status == Answer.PASSAGE, deadlocked],
         [-1, Standing.FORMED, Standing.PASSAGE, Standing.DEADLOCK],
         Standing.FORMING,
     )

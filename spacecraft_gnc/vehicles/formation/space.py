@@ -21,7 +21,7 @@ _WORDS: Final = Words(
     "Paths in Hill's frame",
     "Craft with their paths, the natural ellipse, and lines between the craft",
     "Dots: craft; circles: their starts; diamonds: {diamonds} of each; dashed: natural ellipse on "
-    "which they are to form up; lines between two craft: green where their separation and their "
+    "which they are to form up; lines between two craft: gray where their separation and their "
     "communication angle are within the limits, red where one is not. x outward, y along the "
     "track, z along the orbit normal. Numbers are in the order of the craft, and of the pairs 12, "
     "13, ..., 23. Drag to turn, scroll to zoom.",

@@ -71,7 +71,7 @@ export class Panels {
     const size = (v) => (panel.norm ? Math.hypot(...v) : Math.max(0, ...v.map(Math.abs)));
     const largest = [...past, value].reduce((most, v) => Math.max(most, v ? size(v) : 0), 0);
     const shown = value ?? Array(series.names.length).fill(null);
-    const rows = list(shown).map((v, i) => [this.#name(panel, series, i), v, this.#color(i)]);
+    const rows = list(shown).map((v, i) => [this.#name(panel, series, i), v, this.#color(series.first + i)]);
     if (panel.norm) rows.push([panel.norm, value ? Math.hypot(...value) : null, "#c9d3df"]);
     drawBars(canvas, rows, panel, largest, this.colors.bad);
   }
@@ -83,7 +83,7 @@ export class Panels {
       return Array.from({ length: count }, (_, i) => ({
         name: this.#name(panel, series, i),
         values: values.map((v) => (v === null ? null : list(v)[i])),
-        color: series.color || this.#color(i),
+        color: series.color || this.#color(series.first + i),
       }));
     });
     const largest = curves.reduce((most, c) => c.values.reduce((m, v) => Math.max(m, Math.abs(v ?? 0)), most), 0);

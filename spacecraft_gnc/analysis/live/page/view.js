@@ -1,6 +1,7 @@
 // Receives the flight as server-sent events, and draws it. `window.view.state` is for tests.
 
 import { Bodies } from "./bodies.js";
+import { Craft } from "./craft.js";
 import { Panels } from "./panels.js";
 import { Scene } from "./scene.js";
 import { showHeader, showNumbers, showSetup } from "./status.js";
@@ -14,8 +15,12 @@ const colors = Object.fromEntries(
 const state = {
   events: 0, drawn: 0, numbers: [], setup: null, frame: null, columns: [], rows: [], axes: {}, span: [],
 };
-const scenes = [new Scene(by("scene"), colors, schedule), new Bodies(by("scene"), colors, schedule)];
-let scene = scenes[0];
+const scenes = {
+  sphere: new Scene(by("scene"), colors, schedule),
+  bodies: new Bodies(by("scene"), colors, schedule),
+  craft: new Craft(by("scene"), colors, schedule),
+};
+let scene = scenes.sphere;
 const panels = new Panels(by("panels"), colors);
 let pending = false;
 let lastEvent = Date.now();
@@ -47,6 +52,7 @@ function draw() {
   panels.draw(frame, column, state.span, now);
   state.axes = { ...scene.tips };
   state.ports = { ...scene.ports };
+  state.craft = { ...scene.at };
   state.drawn += 1;
 }
 
@@ -69,7 +75,7 @@ function roundUp(duration) {
 
 function onSetup(setup) {
   state.setup = setup;
-  scene = scenes[setup.bodies.length ? 1 : 0];
+  scene = scenes[kind(setup)];
   showSetup(setup);
   panels.build(setup.panels);
   by("legend").replaceChildren(...legend(setup).map((text) => {
@@ -79,7 +85,12 @@ function onSetup(setup) {
   }));
 }
 
-function legend({ bodies, zones, wheels }) {
+const kind = ({ bodies, craft }) => (craft.length ? "craft" : bodies.length ? "bodies" : "sphere");
+
+function legend({ bodies, craft, zones, wheels }) {
+  if (craft.length) {
+    return ["dots: craft", "diamonds: commanded places", "dashed: natural ellipse", "lines: limits of a pair kept, red: broken", "cross: lost"];
+  }
   if (bodies.length) return ["dots: ports", "green: line of sight", "line: path", "diamond: reference"];
   return [
     "dashed ring: target", "small ring: reference", ...(zones.length ? ["dotted line: instrument of a zone"] : []),
