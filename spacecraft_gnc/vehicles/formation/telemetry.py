@@ -50,6 +50,6 @@ def _words(status: Columns, name: str, n_steps: int) -> tuple[str, ...]:
     return tuple(told)
 
 
-def counts(words: tuple[str, ...]) -> dict[str, int]:
-    """Return at how many steps each word stands, the most frequent first."""
-    return dict(Counter(word for word in words if word).most_common())
+def counts(constraints: tuple[str, ...]) -> dict[str, int]:
+    """Return at how many steps each constraint stands, without its numbers; most frequent first."""
+    return dict(Counter(text.partition(":")[0] for text in constraints if text).most_common())
