@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import kernel, unlocked_kernel
 
 
-@kernel
+@unlocked_kernel
 def cheapest(able, masks, apart, counted, cost, bound, shifts):
     """Least J of the admissible combinations, and their number; sets ``shifts`` (n,).
 
@@ -63,7 +63,7 @@ def cost_of(shifts, apart, counted, cost):
     return W, Omega
 
 
-@kernel
+@unlocked_kernel
 def least_violating(single, double, apart, counted, cost, able, shifts):
     """Least largest violation of a combination; sets ``shifts`` (n,), of equal ones the cheapest.
 
@@ -96,7 +96,7 @@ def least_violating(single, double, apart, counted, cost, able, shifts):
     return best
 
 
-@kernel
+@unlocked_kernel
 def nearest(able, masks, apart, counted, cost, phases, distances, most, shifts):
     """Least distance, at most ``most``, of the admissible combinations, and their number.
 

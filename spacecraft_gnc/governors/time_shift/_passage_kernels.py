@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import kernel, unlocked_kernel
 from spacecraft_gnc.governors.time_shift._prediction_kernels import keeps_both, largest, spread
 
 
-@kernel
+@unlocked_kernel
 def transfers(natural, path, m, pushes, rows, most, able, positions):
     """Set ``able`` (p, p) [f, g] where a parked craft keeps its delta-v, and positions of each."""
     p, r = natural.shape[0], rows.shape[2]
@@ -29,7 +29,7 @@ def transfers(natural, path, m, pushes, rows, most, able, positions):
                     positions[f, g, c, q] += path[c, g * m + q]
 
 
-@kernel
+@unlocked_kernel
 def joint_transfers(able, positions, path, m, least, cosine, joint):
     """Set ``joint`` (p, p, p, p) [f, g, f', g'] where two parked craft keep all they have to."""
     p = able.shape[0]
@@ -97,7 +97,7 @@ def mark_reached(joint, able, places, reached):
             at[level] = -1
 
 
-@kernel
+@unlocked_kernel
 def mark_edges(joint, able, n, edges):
     """Set ``edges`` (c, c) [from, to] between the parked formations of n craft."""
     p = able.shape[0]

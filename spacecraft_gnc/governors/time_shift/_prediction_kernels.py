@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import kernel, unlocked_kernel
 
 BLOCK = 16  # instants tested between two looks whether any failed
 NO_ANGLE = -4.0  # c |c| of a cosine that every angle keeps
@@ -105,7 +105,7 @@ def keeps_both(u, w, path, s, z, least, cosine):
     return True
 
 
-@kernel
+@unlocked_kernel
 def pair_masks(k, theta, m, natural, path, positions, able, lost, least, cosine, masks):
     """Which shifts of each pair (n, n, p, p), i < j, keep its constraints, of those ``able``."""
     n, p = able.shape
@@ -148,7 +148,7 @@ def extremes(u, w, path, s, z):
     return nearest, near_at, cosine, wide_at
 
 
-@kernel
+@unlocked_kernel
 def pair_extremes(k, theta, m, natural, path, positions, nearest, near_at, cosine, wide_at):
     """`extremes` of every pair of craft and shifts, each (n, n, p, p), i < j."""
     n, p = positions.shape[0], natural.shape[0]
@@ -185,7 +185,7 @@ def first_failure(u, w, path, s, z, least, cosine, is_drifting):
     return u.shape[1]
 
 
-@kernel
+@unlocked_kernel
 def pair_failures(k, theta, m, path, positions, able, lost, least, cosine, until):
     """Set ``until`` (n, n, p, p), i < j, to the `first_failure` of each pair of ``able`` shifts."""
     n, p = able.shape

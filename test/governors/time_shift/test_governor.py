@@ -13,6 +13,7 @@ from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.governors.time_shift import (
     Answer,
     Constraint,
+    CraftMonitor,
     TimeShiftGovernor,
     fly,
     fly_unshifted,
@@ -157,6 +158,21 @@ def test_four_craft_form():
     assert fast <= 1.0
     assert near >= 500.0
     assert wide <= problem.max_angle
+
+
+def test_noise_of_half_a_meter_is_neither_a_loss_nor_a_deadlock():
+    problem, generator = formations.problem(), np.random.default_rng(1)
+    noise = np.repeat([0.5, 5e-4], 3)  # [m], [m/s]
+    of_delta_v = math.hypot(math.sqrt(1.5) * 0.5 / (formations.PERIOD / 50), 5e-4)
+    governor = TimeShiftGovernor(problem, monitor=CraftMonitor(problem, 13.0 * of_delta_v))
+    states, decided = formations.start(problem.natural), []
+    for k in range(110):
+        measured = states + noise * generator.normal(size=(3, 6))
+        decided.append(governor.decide(k, measured))
+        states = problem.step(states, problem.delta_v(k, measured, decided[-1].shifts))
+    assert {decision.answer for decision in decided} == {Answer.OPTIMAL}
+    assert all(decision.formed for decision in decided[90:])
+    assert not decided[-1].lost.any()
 
 
 def test_states_of_another_shape_are_refused():
