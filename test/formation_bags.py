@@ -31,6 +31,16 @@ SECTIONS = {
     "reference_governor": {"phase": [6, 0, 13], "horizon": 40},
 }
 """Nine steps of a twentieth of the orbit each, from the start of the report's figures."""
+PARKED = {
+    "plant": {
+        "vehicle": "formation",
+        "duration": 64.5 * ORBIT / 50,
+        "initial_phase": [16.0, 33.0, 0.0],
+        "initial_along_track_offset": [0.0, 0.0, 0.0],
+        "initial_amplitude": [1.0, 1.0, 1.0],
+    },
+}
+"""The second and the third craft each at the other's place: parked, and deadlocked."""
 OTHERS = [signal for signal in SIGNALS if not signal.of_craft]
 
 

@@ -87,10 +87,9 @@ class _Entries:
 
     def _counts(self) -> None:
         counted, lost = self._told("n_admissible"), self.told.lost[self.at]
-        passes = (self.status == Answer.PASSAGE) & (counted == -1.0)
         kept = (self._of("certain") <= counted) & (counted <= self._of("possible"))
         where = f"{GOVERNOR_STATUS}.n_admissible"
-        self.ledger.require(_COUNT, "up to rounding", self.steps, where, kept | passes)
+        self.ledger.require(_COUNT, "up to rounding", self.steps, where, kept)
         where = f"{GOVERNOR_STATUS}.n_candidates"
         kept = self._told("n_candidates") == float(self.loop.p) ** (~lost).sum(axis=1)
         self.ledger.require(_COUNT, "up to rounding", self.steps, where, kept)
