@@ -141,7 +141,7 @@ class PlantNode(GncNode):
         for agent in self._agents.values():
             agent.open(self)
         for space, agent in self._commanded.items():
-            self.listen(agent.seams.control, partial(self._on_command, agent, space), space)
+            self.listen(agent.seams.control, partial(self._on_command, space), space)
         self._publish_clock = self.advertise(CLOCK).publish
         self._publish_timing = self.advertise(WALL_TIMING).publish
         self.listen(READY, self._on_ready)
@@ -195,7 +195,8 @@ class PlantNode(GncNode):
                 f"for matches of topics: {list(self.missing()) or 'none'}"
             )
 
-    def _on_command(self, agent: _Agent, space: str, data: bytes) -> None:
+    def _on_command(self, space: str, data: bytes) -> None:
+        agent = self._commanded[space]
         if not self.active or data == agent.last_commands[space]:
             return  # a repeated answer to a repeated state
         control = agent.seams.control

@@ -71,13 +71,13 @@ class LiveSource:
         self._look_at, self._publishers = -math.inf, 0
         self._vehicles = vehicles_by_state()  # once: it reads what is installed
         self._join(vehicle_of(DEFAULT_VEHICLE))
+        self._reader = SetupReader(view.node, self._space)
 
     def _stand(self, space: str) -> None:
         """Look for the spacecraft of a namespace."""
         self._space = space
         self._prefix = f"/{space}/" if space else "/"
         self._title = partial(_title, self._view.domain_id, space)
-        self._reader = SetupReader(self._view.node, space)
 
     def _join(self, vehicle: Vehicle, craft: Sequence[str] = ()) -> None:
         """Listen to the signals of a vehicle, and to no other's.
@@ -188,6 +188,7 @@ class LiveSource:
         found = len(self._view.publishers(f"/{above}/{state}".replace("//", "/")))
         if found:
             self._stand(above)
+            self._reader = SetupReader(self._view.node, above)
         return found
 
     def _craft_seen(self, vehicle: Vehicle) -> list[str]:

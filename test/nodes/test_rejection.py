@@ -118,14 +118,12 @@ def test_plant_refuses_bad_torques(ros: Any) -> None:
     nan = TorqueCommand(step=0)
     nan.torque.y = math.nan
     for message in (bad, nan, TorqueCommand(step=5)):
-        plant._on_command(plant._agents[""], serialize_message(message))
+        plant._on_command("", serialize_message(message))
     assert plant.refused == 3
     assert plant.step == 0
-    plant._on_command(plant._agents[""], serialize_message(good))
+    plant._on_command("", serialize_message(good))
     assert plant.step == 1
-    plant._on_command(
-        plant._agents[""], serialize_message(good)
-    )  # the same once more: no harm, no step
+    plant._on_command("", serialize_message(good))  # the same once more: no harm, no step
     assert plant.step == 1
     assert plant.refused == 3
 
