@@ -138,6 +138,52 @@ def test_shifts_after_a_loss_keep_the_limits_longest(lost):
     assert steps["no craft concluded lost that answers"] > 0
 
 
+def test_held_shifts_are_proven_without_an_alternative(tmp_path):
+    """A craft whose commands do not come leaves the prediction, until no shifts are admissible."""
+    told = Told.of(fly(tmp_path, late=[(k, 1) for k in range(5)]))
+    held = np.flatnonzero(told.status == Answer.HELD)
+    assert held.tolist() == [5, 6, 7]
+    audit = audit_bag(told.bag)
+    assert audit.passed, audit.first
+    steps = {check.name: check.steps for check in audit.checks}
+    assert steps["shifts held: no candidate is admissible"] == 3
+    assert steps["shifts held = the last ones"] == 3
+    changes = {6: {"status": int(Answer.OPTIMAL)}, 8: {"status": int(Answer.HELD)}}
+    found = first_of_each(forged(told, tmp_path / "forged", sections(), changes))
+    assert found["shifts: admissible, all constraints predicted"] == 6
+    assert found["shifts held: no candidate is admissible"] == 8
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {
+            "plant": {
+                "spacecraft": ["alpha", "bravo"],
+                "initial_phase": [18.0, 8.4],
+                "initial_along_track_offset": [6103.0, 8325.0],
+                "initial_amplitude": [1.53, 1.705],
+            },
+            "reference_governor": {"phase": [0, 10], "horizon": 40},
+        },
+        {
+            "plant": {
+                "spacecraft": ["sc1", "sc2", "sc3", "sc4"],
+                "initial_phase": [2.0, 6.8, 12.0, 16.8],
+                "initial_along_track_offset": [0.0, 500.0, 1000.0, 1500.0],
+                "initial_amplitude": [1.4, 1.5, 1.6, 1.7],
+                "duration": 3.5 * ORBIT / 20,
+            },
+            "reference_governor": {"phase": [0, 5, 10, 15], "horizon": 40},
+        },
+    ],
+    ids=["two", "four"],
+)
+def test_any_number_of_craft_is_audited(tmp_path, changes):
+    audit = audit_bag(fly(tmp_path, sections(**changes)))
+    assert audit.passed, audit.first
+
+
 def test_other_shifts_after_a_loss_are_named(lost, tmp_path):
     """Shifts that keep the limits longest exceed one by more, and are neither optimal nor held."""
     longest = int(np.flatnonzero(lost.status == Answer.LONGEST_KEPT)[0])
