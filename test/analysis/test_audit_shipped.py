@@ -6,6 +6,7 @@ from pathlib import Path
 
 import docking_bags
 import flown_bags
+import formation_bags
 import pytest
 import wheel_bags
 
@@ -15,6 +16,7 @@ from spacecraft_gnc.scenario.fingerprint import differences
 
 FLY = {
     "docking": docking_bags.fly,
+    "formation": formation_bags.fly,
     "rigid_body": flown_bags.fly,
     "two_wheel": lambda folder, flown: wheel_bags.fly(folder, flown)[0],
 }
