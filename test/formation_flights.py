@@ -94,11 +94,12 @@ def lost(n=100, row=40, craft=1, found=43):
 
 
 def deadlocked(n=100):
-    """Return one that is deadlocked at steps 35 to 49, then makes a passage of ten steps."""
-    found = flight(n)
+    """Return one that is deadlocked at steps 35 to 49, then makes two passages of five steps."""
     k = np.arange(n)
     status = np.where((k >= 50) & (k < 60), Answer.PASSAGE, Answer.OPTIMAL)
-    return flight(n, deadlocked=(k >= 35) & (k < 50), status=status, formed=found.formed)
+    shift = flight(n).time_shift.copy()
+    shift[35:50], shift[50:55] = [3, 7, 5], [3, 7, 7]
+    return flight(n, deadlocked=(k >= 35) & (k < 50), status=status, time_shift=shift)
 
 
 def run(name="flight", flown=None, known="formation", telemetry=None, **metrics):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+import numpy as np
+
 from spacecraft_gnc.drawing import style
 
 if TYPE_CHECKING:
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
 
 _LEVELS: Final = 4  # heights of the texts of a page: events may follow each other closely
 _SHADE: Final = 0.13  # opacity of a stretch
+_CLOSE: Final = 0.025  # of a diagram's width: texts nearer than this cover each other
 
 
 class Mark(NamedTuple):
@@ -34,12 +37,14 @@ class Span(NamedTuple):
     """[s]"""
     text: str
     color: str
+    before: bool = False
+    """Whether its text stands before its beginning in print."""
 
 
 def shade(figure: dict[str, Any], spans: Sequence[Span]) -> None:
     """Shade stretches of time in a diagram of a page; their texts stand at its top."""
     layout = figure["layout"]
-    for k, (begin, end, text, color) in enumerate(spans):
+    for k, (begin, end, text, color, _) in enumerate(spans):
         layout.setdefault("shapes", []).append({
             "type": "rect", "xref": "x", "yref": "paper", "x0": begin, "x1": end, "y0": 0.0,
             "y1": 1.0, "fillcolor": color, "opacity": _SHADE, "line": {"width": 0},
@@ -53,12 +58,22 @@ def shade(figure: dict[str, Any], spans: Sequence[Span]) -> None:
 
 
 def draw_spans(axes: Axes, spans: Sequence[Span]) -> None:
-    """Shade stretches of time in a diagram for print; their texts stand at its top."""
-    for begin, end, text, color in spans:
+    """Shade stretches of time in a diagram for print; their texts stand at its top.
+
+    A text that would cover the one before it is left out.
+    """
+    low, high = axes.get_xlim()
+    written = -np.inf
+    for begin, end, text, color, before in spans:
         axes.axvspan(begin, end, color=color, alpha=_SHADE, linewidth=0.0)
+        axes.axvline(begin, color=color, linewidth=0.7, alpha=0.6)
+        if not before and begin - written < _CLOSE * (high - low):
+            continue
+        written = written if before else begin
         axes.annotate(
-            text, (begin, 1.0), xycoords=("data", "axes fraction"), rotation=90.0, xytext=(2, -3),
-            textcoords="offset points", color=style.INK, fontsize=7.0, ha="left", va="top",
+            text, (begin, 1.0), xycoords=("data", "axes fraction"), rotation=90.0, color=style.INK,
+            xytext=(-2 if before else 2, -3), textcoords="offset points", fontsize=7.0,
+            ha="right" if before else "left", va="top",
         )  # fmt: skip
 
 

@@ -32,7 +32,8 @@ function line3d(points, options) {
 
 function readoutRows(run, k) {
   return run.readout.map(({ label, values, width, fixed, significant, notes }) => {
-    const text = (value) => (fixed === undefined ? value.toPrecision(significant) : value.toFixed(fixed));
+    const shown = (value) => (fixed === undefined ? value.toPrecision(significant) : value.toFixed(fixed));
+    const text = (value) => (Number.isFinite(value) ? shown(value) : "-");
     const numbers = Array.from(values.slice(width * k, width * (k + 1)), text).join(", ");
     return [label, notes?.length ? `${numbers} (${notes[k]})` : numbers];
   });

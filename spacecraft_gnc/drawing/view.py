@@ -61,6 +61,8 @@ class Readout:
     """(n + 1, k)."""
     notes: Sequence[str] = ()
     """(n + 1,) words beside them."""
+    is_count: bool = False
+    """Whether they are whole numbers; else four significant digits are shown."""
 
 
 def readout_data(
@@ -70,8 +72,8 @@ def readout_data(
     for line in lines:
         values = line.values.reshape(n_states, -1)
         yield {
-            "label": line.label, "values": packed(values[chosen]), "significant": 4,
-            "width": values.shape[1],
+            "label": line.label, "values": packed(values[chosen]), "width": values.shape[1],
+            **({"fixed": 0} if line.is_count else {"significant": 4}),
             "notes": [line.notes[i] for i in chosen] if line.notes else [],
         }  # fmt: skip
 

@@ -129,9 +129,21 @@ def marks(run: Flown) -> list[Mark]:
 
 
 def spans(run: Flown) -> list[Span]:
-    """Return deadlocks and passages as diagrams show them."""
-    return [
-        Span(s.begin, s.end, standing_name(s.source), STANDING_COLORS[Standing(s.source)])
-        for s in stretches(standing(run.trajectory), run.times)
-        if s.source in (Standing.DEADLOCK, Standing.PASSAGE)
-    ]
+    """Return deadlocks, and each passage of the way out, as diagrams show them."""
+    flight = run.trajectory
+    states, number = standing(flight), _passages_so_far(flight)
+    numbered = np.where(states == Standing.PASSAGE, number, 0)
+    found = []
+    for s in stretches(states + len(Standing) * numbered, run.times):
+        passage, state = divmod(s.source, len(Standing))
+        if state in (Standing.DEADLOCK, Standing.PASSAGE) and s.source >= 0:
+            text = standing_name(state) + (f" {passage}" if passage else "")
+            color = STANDING_COLORS[Standing(state)]
+            found.append(Span(s.begin, s.end, text, color, state == Standing.DEADLOCK))
+    return found
+
+
+def _passages_so_far(flight: FormationFlight) -> NDArray[np.int64]:
+    """Return how many passages have begun (n,): one where the shifts change on the way out."""
+    changed = np.append(False, (np.diff(flight.time_shift, axis=0) != 0).any(axis=1))
+    return np.cumsum(changed & (flight.status == Answer.PASSAGE))

@@ -81,10 +81,10 @@ def _readout(run: Flown) -> Iterator[Readout]:
     yield Readout("delta-v [m/s]", series.delta_v(flight))
     yield Readout("delta-v spent [m/s]", series.spent(run))
     if series.governor_chose(flight):
-        yield Readout("time shifts [steps]", series.shifts(flight), _standings(run))
+        yield Readout("time shifts [steps]", series.shifts(flight), _standings(run), is_count=True)
         yield Readout("cost W", held(flight.shift_cost), _notes(run.telemetry.refused, "refused: "))
         yield Readout("cost Omega", held(flight.state_cost))
-        yield Readout("admissible candidates", held(series.admissible(flight)))
+        yield Readout("admissible candidates", held(series.admissible(flight)), is_count=True)
         room = held(series.room_percent(flight))
         yield Readout("least room ahead [%]", room, _notes(run.telemetry.constraint))
 

@@ -40,10 +40,12 @@ def test_the_summary_has_what_a_reader_asks_for():
 
 
 def test_the_governors_constraints_are_counted():
-    nearest, refused = ("separation", "delta-v", "separation", ""), ("", "", "", "delta-v")
+    near = "separation of sc1 and sc2"
+    nearest = (f"{near}: 1331 m, limit 1000 m, in 50 steps", "delta-v of sc2: 0.9 m/s", near, "")
+    refused = ("", "", "", "delta-v of sc1: 1.1 m/s, limit 1 m/s, now")
     told = rows(run(telemetry=Telemetry(None, nearest, refused)))
-    assert told["Least room ahead of (steps)"] == "separation 2, delta-v 1"
-    assert told["Cheapest shifts refused for (steps)"] == "delta-v 1"
+    assert told["Least room ahead of (steps)"] == f"{near} 2, delta-v of sc2 1"
+    assert told["Cheapest shifts refused for (steps)"] == "delta-v of sc1 1"
 
 
 def test_the_page_warns_of_what_was_broken_and_not_noticed():
@@ -90,7 +92,7 @@ def test_the_diagrams_show_the_arrays():
 def test_what_happened_is_marked_and_has_a_band():
     drawn = charts(run(flown=deadlocked()))
     told = [note["text"] for note in drawn["delta_v"].figure["layout"]["annotations"]]
-    assert told == ["deadlock", "passage", "formed, step 64"]
+    assert told == ["deadlock", "passage 1", "passage 2", "formed, step 64"]
     assert "shapes" not in drawn["paths"].figure["layout"]
     bars = {bar["name"]: bar["customdata"] for bar in drawn["standing"].figure["data"]}
     assert [stretch[2] for stretch in bars["forming"]] == [35, 11]

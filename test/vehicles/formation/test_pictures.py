@@ -102,7 +102,8 @@ def test_events_tell_losses_and_when_it_was_formed():
 def test_deadlocks_and_passages_are_stretches_of_time():
     told = [(s.begin, s.end, s.text) for s in events.spans(run(flown=deadlocked()))]
     assert told == [
-        (35 * PERIOD, 50 * PERIOD, "deadlock"), (50 * PERIOD, 60 * PERIOD, "passage")
+        (35 * PERIOD, 50 * PERIOD, "deadlock"), (50 * PERIOD, 55 * PERIOD, "passage 1"),
+        (55 * PERIOD, 60 * PERIOD, "passage 2"),
     ]  # fmt: skip
     standing = events.standing(deadlocked())
     assert [int(standing[k]) for k in (0, 35, 55, 65, 80)] == [0, 1, 2, 0, 3]
