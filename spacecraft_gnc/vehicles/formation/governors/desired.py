@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from spacecraft_gnc.errors import ParameterError
-from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.formation.trajectory import NaturalTrajectory
 
 
@@ -19,11 +21,11 @@ class DesiredFormation:
         self._trajectory = trajectory
 
     @property
-    def target(self) -> Array:
+    def target(self) -> NDArray[np.int64]:
         """Desired phases (n,) [control steps]."""
         return self._trajectory.phases
 
-    def set_target(self, target: Array) -> None:
+    def set_target(self, target: object) -> None:
         """Refuse: the desired phases are the scenario's.
 
         Raises
