@@ -73,18 +73,20 @@ def least_violating(predictor: Predictor, prediction: Prediction) -> Choice:
 def longest_kept(predictor: Predictor, prediction: Prediction) -> Choice | None:
     """Return the combination that keeps every constraint the longest, of equals the cheapest.
 
-    None if a craft cannot keep its delta-v under any shift.
+    None if that is less than half a period: too late for the next steps to find a way round.
     """
+    problem = predictor.problem
+    shifts = np.zeros(problem.n_craft, dtype=np.int64)
     if not prediction.able.any(axis=1).all():
         return None
     until = predictor.kept_until(prediction)
-    shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
-    early = (until.max(initial=0) - until).astype(np.float64)
-    kernels.least_violating(
-        np.zeros_like(prediction.cost), early, predictor.apart, ~prediction.lost,
-        prediction.cost, prediction.able, shifts,
+    longest = int(until.max(initial=0))
+    early = kernels.least_violating(
+        np.zeros_like(prediction.cost), (longest - until).astype(np.float64), predictor.apart,
+        ~prediction.lost, prediction.cost, prediction.able, shifts,
     )  # fmt: skip
-    return Choice(shifts, 0)
+    kept = (longest - int(early)) / problem.substeps
+    return Choice(shifts, 0) if kept >= problem.samples // 2 else None
 
 
 def nearest(
