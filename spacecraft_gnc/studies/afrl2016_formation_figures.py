@@ -164,7 +164,8 @@ def deadlock_figure(deadlock: Deadlock) -> Figure:
         for axes, label in zip(panels[:, 0], labels, strict=True):
             axes.set_ylabel(label)
         _name_lines(panels[0, 1], _craft(deadlock.resolved))
-        _title(figure, "a start that deadlocks; shaded: parked in another formation")
+        _name_lines(panels[2, 1], _pair_names(deadlock.resolved))
+        _title(figure, "a start that deadlocks; shaded: from when it is noticed until it is left")
         return figure
 
 
@@ -242,6 +243,8 @@ def campaign_figure(found: Formed) -> Figure:
             axes.hist([values[flown & ~parked], values[parked]], bins=bins, stacked=True,
                       color=colors)  # fmt: skip
             axes.set(title=title, xlabel="[m/s]", ylabel="starts")
+        for axes in (left, middle, right):
+            axes.yaxis.get_major_locator().set_params(integer=True)
         n, passed = int(flown.sum()), int(found.passed.sum())
         _title(figure, f"{passed} of {n} feasible random starts form up within the limits")
         return figure
