@@ -10,7 +10,8 @@ from recording.bags import CODEC
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
-from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.signals import graph
+from spacecraft_gnc.signals.graph import CLOCK
 from spacecraft_gnc.signals.message import period_ns, stamp_of
 from spacecraft_gnc.vehicles.docking.outputs import Outputs
 from spacecraft_gnc.vehicles.docking.signals import SIGNALS
@@ -25,12 +26,12 @@ SECTIONS = {
         "initial_rotation_vector": [0.1, -0.1, 0.05],
         "max_force": 90.0,
         "max_moment": 2.0,
-        "pose_every": 0,
+        "pose_every": 3,
     },
     "reference_governor": {"distance_margin": 0.002, "hold_port_offset": [3.0, 0.0, 0.0]},
 }
 """Ten steps beside a chief that rotates in four: its admissible sets take a second."""
-RECORDED = [signal for signal in (*SIGNALS, WALL_TIMING) if signal.type in CODEC.texts]
+RECORDED = [signal for signal in (*SIGNALS, *graph.SIGNALS) if signal.recorded]
 
 
 def sections(**changes):
@@ -44,12 +45,18 @@ def ungoverned(**plant):
     return {**sections(plant=plant), "reference_governor": {"governor": "none"}}
 
 
-def announce(writer):
-    """Announce the topics of a flight to a writer."""
+def announce(writer, without=()):
+    """Announce the topics of a flight to a writer, but for some."""
     for signal in RECORDED:
-        text, hashed = CODEC.texts[signal.type], signal.type_hash
+        if f"/{signal.name.strip('/')}" in without:
+            continue
+        text, hashed = CODEC.text(signal.type), signal.type_hash
         writer.add_topic(
-            f"/{signal}", signal.type, text, type_hash=hashed, gapless=signal.every_step
+            f"/{signal.name.strip('/')}",
+            signal.type,
+            text,
+            type_hash=hashed,
+            gapless=signal.every_step and signal.is_stepped,
         )
 
 
@@ -70,15 +77,15 @@ def fly(folder, flown=SECTIONS, targets=None):
 
         def publish(step, told):
             for signal, value in told:
-                if signal in RECORDED:
-                    data = signal.encode(stamp_of(step, period), step, value)
-                    bag.write(f"/{signal}", step * period, step * period, data)
+                data = signal.encode(stamp_of(step, period), step, value)
+                bag.write(f"/{signal.name.strip('/')}", step * period, step * period, data)
 
         for k in range(plant.n_steps + 1):
             state = plant.state
             publish(k, plant.outputs(applied))
             if k == plant.n_steps:
                 break
+            publish(k, [(CLOCK, [stamp_of(k, period)])])
             if k in (targets or {}):
                 governor.set_target(targets[k])
                 publish(k, outputs.accepted(targets[k]))
@@ -91,11 +98,11 @@ def fly(folder, flown=SECTIONS, targets=None):
     return folder / "bag"
 
 
-def rewrite(bag, folder, messages):
-    """Write the bag again with other messages."""
+def rewrite(bag, folder, messages, without=()):
+    """Write the bag again with other messages, and without the channels of some topics."""
     (file,) = bag.glob("*.mcap")
     with file.open("rb") as stream, BagWriter(folder) as writer:
-        announce(writer)
+        announce(writer, without)
         for item in make_reader(stream).iter_attachments():
             writer.attach(item.name, item.media_type, item.data)
         for topic, stamp, data in messages:

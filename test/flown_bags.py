@@ -11,7 +11,7 @@ from typing import Any
 import case_1
 import numpy as np
 from mcap.reader import make_reader
-from recording.bags import CODEC, announce
+from recording.bags import CODEC, SPARSE
 
 from spacecraft_gnc.governors.planned.report import PlanReport
 from spacecraft_gnc.loop.protocols import Source
@@ -20,12 +20,19 @@ from spacecraft_gnc.ocp.assembly import assemble
 from spacecraft_gnc.ocp.reference import as_reference
 from spacecraft_gnc.ocp.rollout import Horizon
 from spacecraft_gnc.parameters.declare import flatten, unflatten
+from spacecraft_gnc.recording.qos import qos_yaml
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
 from spacecraft_gnc.scenario.scenario import sections_to_yaml
+from spacecraft_gnc.signals import Signal, graph
+from spacecraft_gnc.signals.attitude import ATTITUDE_ERROR, POSE, error_of
+from spacecraft_gnc.signals.codec import padded
+from spacecraft_gnc.signals.graph import CLOCK
+from spacecraft_gnc.signals.message import period_ns, stamp_of
 from spacecraft_gnc.signals.structures import VECTOR3
 from spacecraft_gnc.vehicles.rigid_body.controllers.report import plan_of
-from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, PLAN_STATUS
+from spacecraft_gnc.vehicles.rigid_body.outputs import Outputs
+from spacecraft_gnc.vehicles.rigid_body.signals import ATTITUDE_PLAN, PLAN_STATUS, SIGNALS
 
 SECTIONS: dict[str, dict[str, Any]] = {
     "plant": {
@@ -70,6 +77,22 @@ def sections(**changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return merged
 
 
+def announce_all(writer: BagWriter, without: Collection[str] = (), namespace: str = "") -> None:
+    """Announce every topic that a recorder does, but for some; those of the graph once."""
+    for signal in (*SIGNALS, *graph.SIGNALS):
+        name = f"/{signal.name.strip('/')}"
+        name = name if signal.shared else f"{namespace}{name}"
+        if signal.recorded and name not in without and name not in writer.counts:
+            writer.add_topic(
+                name,
+                signal.type,
+                CODEC.text(signal.type),
+                qos_yaml=qos_yaml(signal.qos),
+                type_hash=signal.type_hash,
+                gapless=signal.every_step and signal.is_stepped and signal.name not in SPARSE,
+            )
+
+
 def nested(flat: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     """Return sections as in a scenario file."""
     return {name: unflatten(flatten(values)) for name, values in flat.items()}
@@ -105,11 +128,10 @@ def fly(
     """
     scenario = from_sections(flown)
     with BagWriter(folder / "bag") as bag:
-        announce(bag)
-        name = "spacecraft_gnc_msgs/msg/WallTiming"
-        bag.add_topic("/wall_timing", name, CODEC.texts[name])
+        announce_all(bag)
         tell(bag, flown if claimed is None else claimed)
         recorder = _Recorder(bag, scenario.period)
+        recorder.setup(Outputs(scenario))
         loop = scenario.build()
         for core in (loop.plant, loop.controller, loop.governor):
             core.reset()
@@ -126,6 +148,7 @@ def fly(
             recorder.state(k, loop.plant, applied, source)
             if k == loop.plant.n_steps:
                 break
+            recorder.signal(CLOCK, k, [stamp_of(k, period_ns(scenario.period))])
             if k in anew:
                 loop.governor.reset()
             if k in (targets or {}):
@@ -137,6 +160,7 @@ def fly(
             recorder.decision(k, decision)
             command = loop.controller.command(state, decision.reference)
             recorder.command(k, command, loop.controller.name)
+            recorder.signal(ATTITUDE_ERROR, k, error_of(state.attitude, decision.reference))
             misses = misses + 1 if k in late else 0
             last = last if misses else (command.control, command.source)
             gone = misses > scenario.plant.max_held_steps
@@ -186,8 +210,19 @@ class _Recorder:
     def _write(self, topic: str, name: str, step: int, frame: str, **values: Any) -> None:
         stamp = step * self._period_ns
         header = CODEC.header(step, frame, stamp_ns=stamp)
-        data = CODEC.dump(name, header=header, step=step, **values)
+        data = padded(CODEC.dump(name, header=header, step=step, **values))
         self._bag.write(f"/{topic}", stamp, stamp, data)
+
+    def setup(self, outputs: Outputs) -> None:
+        """Write what the controller tells at its start."""
+        for signal, value in outputs.setup():
+            self.signal(signal, 0, value)
+
+    def signal(self, signal: Signal, step: int, value: Any) -> None:
+        """Write a message of a standard type, encoded by its signal."""
+        stamp = step * self._period_ns
+        data = signal.encode(stamp_of(step, self._period_ns), step, value)
+        self._bag.write(f"/{signal.name.strip('/')}", stamp, stamp, data)
 
     def state(self, k: int, plant: Any, applied: Any, source: int) -> None:
         state = plant.state
@@ -208,6 +243,9 @@ class _Recorder:
             applied_source=int(source),
             external_torque=CODEC.vector(plant.external_torque),
         )  # fmt: skip
+        for signal, value in plant.outputs((applied, source)):
+            if signal is POSE:
+                self.signal(signal, k, value)
 
     def timing(self, k: int, held: int) -> None:
         wall = ("wall_elapsed", "wall_latency", "wall_deadline_slack")
@@ -301,16 +339,15 @@ def rewrite(
     folder: Path,
     messages: list[tuple[str, int, bytes]],
     lost: Mapping[str, int] | None = None,
+    without: Collection[str] = (),
 ) -> Path:
     """Rewrite the bag with other messages and valid checksums.
 
-    ``lost`` gives the number of messages reported missing per topic.
+    ``lost`` gives the number of messages reported missing per topic; topics ``without`` a channel.
     """
     (file,) = bag.glob("*.mcap")
     with file.open("rb") as stream, BagWriter(folder) as writer:
-        announce(writer)
-        name = "spacecraft_gnc_msgs/msg/WallTiming"
-        writer.add_topic("/wall_timing", name, CODEC.texts[name])
+        announce_all(writer, without)
         for item in make_reader(stream).iter_attachments():
             writer.attach(item.name, item.media_type, item.data)
         for topic, stamp, data in messages:
@@ -336,7 +373,7 @@ def edited(name, **changes):
         for key, value in changes.items():
             old = getattr(message, key)
             setattr(message, key, value(old) if callable(value) else old + value)
-        return bytes(CODEC.store.serialize_cdr(message, full))
+        return padded(bytes(CODEC.store.serialize_cdr(message, full)))
 
     return change
 

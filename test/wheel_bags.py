@@ -11,7 +11,8 @@ from recording.bags import CODEC
 from spacecraft_gnc.loop.protocols import Command, Source
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
-from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.signals import graph
+from spacecraft_gnc.signals.graph import CLOCK, WALL_TIMING
 from spacecraft_gnc.signals.message import period_ns, stamp_of
 from spacecraft_gnc.vehicles.two_wheel.build import believed_gyrostat
 from spacecraft_gnc.vehicles.two_wheel.controllers.feedback.law import WheelFeedback
@@ -39,7 +40,7 @@ SECTIONS = {
         "initial_euler_321": [0.5, 0.3, -0.4],
         "initial_angular_velocity": [0.05, -0.1, 0.02],
         "initial_wheel_speed": [10.0, -39.5, 30.0, 20.0],
-        "pose_every": 0,
+        "pose_every": 3,
     },
     "nmpc_controller": {"time_step": 0.2, "feedback_bandwidth": 0.4},
     "reference_governor": {"target_rotation_vector": [0.1, 0.0, 0.2]},
@@ -47,15 +48,21 @@ SECTIONS = {
 """Twenty steps of a pyramid of wheels that saturate, one of which is lost."""
 
 
-RECORDED = [signal for signal in (*SIGNALS, WALL_TIMING) if signal.type in CODEC.texts]
+RECORDED = [signal for signal in (*SIGNALS, *graph.SIGNALS) if signal.recorded]
 
 
-def announce(writer):
-    """Announce the topics of a flight to a writer."""
+def announce(writer, without=()):
+    """Announce the topics of a flight to a writer, but for some."""
     for signal in RECORDED:
-        text, hashed = CODEC.texts[signal.type], signal.type_hash
+        if f"/{signal.name.strip('/')}" in without:
+            continue
+        text, hashed = CODEC.text(signal.type), signal.type_hash
         writer.add_topic(
-            f"/{signal}", signal.type, text, type_hash=hashed, gapless=signal.every_step
+            f"/{signal.name.strip('/')}",
+            signal.type,
+            text,
+            type_hash=hashed,
+            gapless=signal.every_step and signal.is_stepped,
         )
 
 
@@ -125,9 +132,8 @@ def fly(folder, flown=SECTIONS, targets=None, late=(), *, watching=False):
 
         def publish(step, told):
             for signal, value in told:
-                if signal in RECORDED:
-                    data = signal.encode(stamp_of(step, period), step, value)
-                    bag.write(f"/{signal}", step * period, step * period, data)
+                data = signal.encode(stamp_of(step, period), step, value)
+                bag.write(f"/{signal.name.strip('/')}", step * period, step * period, data)
 
         for k in range(plant.n_steps + 1):
             state = plant.state
@@ -135,6 +141,7 @@ def fly(folder, flown=SECTIONS, targets=None, late=(), *, watching=False):
             publish(k, plant.outputs(applied))
             if k == plant.n_steps:
                 break
+            publish(k, [(CLOCK, [stamp_of(k, period)])])
             if k in (targets or {}):
                 governor.set_target(targets[k])
                 publish(k, outputs.accepted(targets[k]))
@@ -159,11 +166,11 @@ def _is_free(scenario):
     return scenario.plant.mode == "free_run"
 
 
-def rewrite(bag, folder, messages):
-    """Write the bag again with other messages."""
+def rewrite(bag, folder, messages, without=()):
+    """Write the bag again with other messages, and without the channels of some topics."""
     (file,) = bag.glob("*.mcap")
     with file.open("rb") as stream, BagWriter(folder) as writer:
-        announce(writer)
+        announce(writer, without)
         for item in make_reader(stream).iter_attachments():
             writer.attach(item.name, item.media_type, item.data)
         for topic, stamp, data in messages:

@@ -7,12 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from spacecraft_gnc.analysis.vehicle import part, require_vehicle
+from spacecraft_gnc.audit.channels import audit_channels
 from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import read_evidence
 from spacecraft_gnc.audit.ledger import Check, Difference, Ledger
 from spacecraft_gnc.audit.limits import Exceedance, as_dicts
 from spacecraft_gnc.audit.order import audit_order
+from spacecraft_gnc.audit.telemetry import audit_telemetry
 from spacecraft_gnc.audit.vehicle import VehicleAudit, Watch
+from spacecraft_gnc.audit.wire import audit_wire
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.steps import flight_namespace
@@ -131,8 +134,11 @@ def audit_bag(
                 "version that flew"
             )
         held = vehicle.held_steps(evidence)
+        audit_channels(evidence, ledger, part("signals", scenario))
         audit_order(evidence, ledger, held, allow_unfinished)
+        audit_wire(evidence, ledger)
         exceeded = vehicle.audit(evidence, ledger, counts, held, tolerance, watch)
+        audit_telemetry(evidence, ledger, tolerance)
         remarks = tuple(bag.remarks())
     return Audit(
         path=Path(path),

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,19 @@ from spacecraft_gnc.recording.metadata import RECOVERED_RECORD
 from spacecraft_gnc.signals.graph import GOVERNOR, PLANT
 from spacecraft_gnc.signals.signal import Signal
 from spacecraft_gnc.types import Array
+
+
+class Telemetry(NamedTuple):
+    """A topic for viewers, whose messages follow from those of others."""
+
+    signal: Signal
+    """Without a control step; its values are those of its fields (`Signal.pack` is None)."""
+    steps: Callable[[Evidence], NDArray[np.int64]]
+    """Those at which it is published, ascending."""
+    values: Callable[[Evidence, NDArray[np.int64]], Sequence[Any]]
+    """Its values at steps (m,); NaN where what they follow from was not recorded."""
+    reason: str = ""
+    """Why it may be published at no step at all."""
 
 
 class Topics(NamedTuple):
@@ -31,6 +45,11 @@ class Topics(NamedTuple):
     """Its fields that are."""
     craft: tuple[str, ...] = ()
     """Namespaces of the vehicle's craft, relative to the flight's; empty: it is one."""
+    telemetry: tuple[Telemetry, ...] = ()
+    """Those for viewers."""
+    later: Mapping[Signal, Callable[[Any], bool]] = MappingProxyType({})
+    """Those that flights of earlier versions did not have, each with whether a scenario of any
+    version needs it."""
 
     def of_craft(self, craft: Sequence[str]) -> Topics:
         """Return the topics with those of each craft in place of a signal that each has."""
@@ -75,6 +94,8 @@ class Evidence:
         Whether the bag was cut off, and read as far as it goes.
     recovered
         Whether it was cut off and `gnc recover` made it whole.
+    is_cut
+        Whether it has loose ends: cut off, or of a flight that was stopped.
     """
 
     path: Path
@@ -84,6 +105,7 @@ class Evidence:
     n: int
     unfinished: bool
     recovered: bool
+    is_cut: bool
     bag: Bag
     namespace: str | None
 
@@ -132,9 +154,10 @@ def read_evidence(
     names = [*topics.every_step, *topics.sparse]
     columns = read_columns(bag, names, namespace, progress, leave_out=topics.plans)
     recovered = RECOVERED_RECORD in bag.metadata()
-    n = _flown(columns, topics, bag.unfinished or recovered or stopped)
+    is_cut = bag.unfinished or recovered or stopped
+    n = _flown(columns, topics, is_cut)
     return Evidence(
-        bag.path, scenario, topics, columns, n, bag.unfinished, recovered, bag, namespace
+        bag.path, scenario, topics, columns, n, bag.unfinished, recovered, is_cut, bag, namespace
     )
 
 

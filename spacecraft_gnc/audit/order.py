@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc.audit.channels import is_expected
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.signals.signal import Signal
@@ -23,12 +24,16 @@ def audit_order(evidence: Evidence, ledger: Ledger, held: NDArray[np.int64], sto
         audit_each_step(evidence, ledger, topic, held)
     _whole_flight(evidence, ledger, stopped)
     for topic in evidence.topics.every_step:
-        columns = evidence.columns[topic]
-        if columns.steps.size:
-            name = "time stamps"
-            expected = stamps_of(columns.steps, evidence.scenario.period)
-            where = f"{topic}.header.stamp"
-            ledger.compare(name, columns.steps, {where: columns.stamps}, {where: expected})
+        audit_stamps(evidence, ledger, topic)
+
+
+def audit_stamps(evidence: Evidence, ledger: Ledger, topic: Signal) -> None:
+    """Check that the messages of a topic carry the times of their steps."""
+    columns = evidence.columns[topic]
+    if columns.steps.size:
+        expected = stamps_of(columns.steps, evidence.scenario.period)
+        where = f"{topic}.header.stamp"
+        ledger.compare("time stamps", columns.steps, {where: columns.stamps}, {where: expected})
 
 
 def stamps_of(steps: NDArray[np.int64], period: float) -> Array:
@@ -58,18 +63,6 @@ def audit_each_step(
         ledger.fail(name, _EACH, step, f"{topic} (two different messages)")
     if columns.repeats:
         ledger.check(name, _EACH, f"{columns.repeats} sent again with the same bytes")
-
-
-def is_expected(evidence: Evidence, topic: Signal) -> bool:
-    """Tell whether the scenario has a topic recorded."""
-    wanted = {name.strip("/") for name in evidence.scenario.recorder.topics}
-    prefix = f"{(evidence.namespace or '').strip('/')}/"  # of one agent, or without it of all
-    nodes = {name.removeprefix(prefix) for name in evidence.scenario.launcher.nodes}
-    topics = {name.removeprefix(prefix) for name in wanted}
-    craft, _, name = topic.name.rpartition("/")
-    role = topic.publishers[0]
-    is_told = not nodes.isdisjoint((role, f"{craft}/{role}"))
-    return is_told and (not wanted or not topics.isdisjoint((topic.name, name)))
 
 
 def _whole_flight(evidence: Evidence, ledger: Ledger, stopped: bool) -> None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording._exact import exact_rows
 
 _ENCAPSULATION: Final = 4  # bytes before the payload; alignment counts from their end
 _SLACK: Final = 7  # bytes of padding that a middleware may leave at the end
@@ -46,6 +47,8 @@ class Group(NamedTuple):
     """Their places among the messages decoded together."""
     fields: dict[str, NDArray[Any]]
     """(m, ...) values by dotted name; numbers as recorded, strings as bytes."""
+    exact: NDArray[np.bool_]
+    """(m,) whether a message is just what its fields encode to, padding included."""
 
 
 class _Place(NamedTuple):
@@ -187,7 +190,17 @@ def _decode_equal(
             name: _view(joined, size, len(rows), place)[chosen]
             for name, place in layout.places.items()
         }
-        yield Group(rows[chosen], fields)
+        yield Group(rows[chosen], fields, _exact(layout, joined, size, chosen))
+
+
+def _exact(
+    layout: _Layout, joined: bytes, size: int, chosen: NDArray[np.int64]
+) -> NDArray[np.bool_]:
+    messages = np.frombuffer(joined, np.uint8).reshape(-1, size)[chosen]
+    places = [
+        (place.offset, place.dtype, int(np.prod(place.shape))) for place in layout.places.values()
+    ]
+    return exact_rows(messages, places, (at for at, _ in layout.lengths), layout.position)
 
 
 def _view(joined: bytes, size: int, count: int, place: _Place) -> NDArray[Any]:

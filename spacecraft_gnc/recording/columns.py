@@ -6,8 +6,8 @@ between runs, and players reorder equal stamps); the step that every message car
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -29,6 +29,7 @@ _MOST_LOST: Final = 1000  # a damaged step number must not make arrays of any si
 _MOST_STEPS: Final = 2**53  # where a float stops to hold each integer
 _STEP: Final = "step"
 _STAMP: Final = ("header.stamp.sec", "header.stamp.nanosec")
+_FRAME: Final = "header.frame_id"
 _HEADER: Final = "header."
 
 
@@ -50,6 +51,10 @@ class Columns:
         Messages of a step that had come before.
     conflicts : tuple of int
         Steps of those that were not the same message.
+    frames : (m,) array of str
+        ``frame_id`` of the headers.
+    exact : (m,) array of bool
+        Whether a message is just what its fields encode to, padding included.
     """
 
     steps: NDArray[np.int64]
@@ -57,6 +62,8 @@ class Columns:
     fields: Mapping[str, NDArray[Any]]
     repeats: int = 0
     conflicts: tuple[int, ...] = ()
+    frames: NDArray[np.object_] = field(default_factory=lambda: np.empty(0, np.object_))
+    exact: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_))
 
     def missing(self, first: int, last: int) -> tuple[int, ...]:
         """Return the steps of ``first``..``last`` without a message."""
@@ -135,6 +142,8 @@ class _Decoded(NamedTuple):
     steps: NDArray[np.int64]
     stamps: Array
     fields: dict[str, NDArray[Any]]
+    frames: NDArray[np.object_]
+    exact: NDArray[np.bool_]
 
 
 def _block(bag: Bag, topic: str, signal: Signal, messages: list[bytes], seen: Seen) -> Columns:
@@ -169,7 +178,8 @@ def _decoded(group: Group) -> _Decoded:
     seconds, nanoseconds = (fields[name] for name in _STAMP)
     steps = fields.pop(_STEP)
     kept = {name: values for name, values in fields.items() if not name.startswith(_HEADER)}
-    return _Decoded(group.rows, steps, seconds + 1e-9 * nanoseconds, kept)
+    stamps = seconds + 1e-9 * nanoseconds
+    return _Decoded(group.rows, steps, stamps, kept, fields[_FRAME], group.exact)
 
 
 def _plain(values: NDArray[Any]) -> NDArray[Any]:
@@ -189,8 +199,16 @@ def _gathered(parts: list[_Decoded]) -> Columns:
     fields = {
         name: _stacked([part.fields[name] for part in parts])[back] for name in parts[0].fields
     }
-    steps = np.concatenate([part.steps for part in parts])[back]
-    return Columns(steps, np.concatenate([part.stamps for part in parts])[back], fields)
+    steps, stamps, frames, exact = (values[back] for values in _every(parts))
+    return Columns(steps, stamps, fields, frames=frames, exact=exact)
+
+
+def _every(parts: Sequence[_Decoded] | Sequence[Columns]) -> Iterator[NDArray[Any]]:
+    """Yield steps, stamps, frames and exactness of all parts."""
+    yield np.concatenate([part.steps for part in parts])
+    yield np.concatenate([part.stamps for part in parts])
+    yield np.concatenate([part.frames for part in parts])
+    yield np.concatenate([part.exact for part in parts])
 
 
 def _stacked(arrays: list[NDArray[Any]]) -> NDArray[Any]:
@@ -209,11 +227,10 @@ def _joined(parts: list[Columns]) -> Columns:
     if not parts:
         return NO_COLUMNS
     fields = {name: _stacked([part.fields[name] for part in parts]) for name in parts[0].fields}
-    steps = np.concatenate([part.steps for part in parts])
-    stamps = np.concatenate([part.stamps for part in parts])
+    steps, stamps, frames, exact = _every(parts)
     repeats = sum(part.repeats for part in parts)
     conflicts = tuple(step for part in parts for step in part.conflicts)
-    return _by_step(Columns(steps, stamps, fields, repeats, conflicts))
+    return _by_step(Columns(steps, stamps, fields, repeats, conflicts, frames, exact))
 
 
 def _by_step(columns: Columns) -> Columns:
@@ -223,7 +240,15 @@ def _by_step(columns: Columns) -> Columns:
         return columns
     fields = {name: values[first] for name, values in columns.fields.items()}
     repeats = columns.repeats + columns.steps.size - steps.size
-    return Columns(steps, columns.stamps[first], fields, repeats, columns.conflicts)
+    return Columns(
+        steps,
+        columns.stamps[first],
+        fields,
+        repeats,
+        columns.conflicts,
+        columns.frames[first],
+        columns.exact[first],
+    )
 
 
 def require_reach(bag: Bag, *steps: NDArray[np.int64]) -> None:

@@ -26,7 +26,7 @@ def flight_topics(
     wanted = list(signals)
     lead = next((signal for signal in wanted if signal.unique), wanted[0])
     prefix = flight_namespace(bag, namespace, [lead])
-    named = {_full_name(bag, prefix, signal): signal for signal in wanted}
+    named = {topic_name(bag, prefix, signal): signal for signal in wanted}
     topics = {name: signal for name, signal in named.items() if name in bag.topics}
     for topic, signal in topics.items():
         _check_type(bag, topic, signal)
@@ -150,8 +150,13 @@ def _is_within(namespace: str, prefix: str) -> bool:
     return f"{namespace.strip('/')}/".startswith(f"{prefix.strip('/')}/".lstrip("/"))
 
 
-def _full_name(bag: Bag, prefix: str, signal: Signal) -> str:
-    """Return the name of a topic; one of the graph may lie in a namespace above the agent's."""
+def topic_name(bag: Bag, prefix: str, signal: Signal) -> str:
+    """Return the full name of a signal's topic, recorded or not.
+
+    One of the graph may lie in a namespace above the agent's.
+    """
+    if signal.name.startswith("/"):
+        return signal.name
     name = f"{prefix}/{signal}"
     while signal.shared and name not in bag.topics and prefix:
         prefix = prefix.rpartition("/")[0]

@@ -6,15 +6,12 @@ from pathlib import Path
 
 import pytest
 from flown_bags import edited, first_of, flipped, fly, messages_of, rewrite
-from mcap.reader import make_reader
-from recording.bags import CODEC, TOPICS
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
 from spacecraft_gnc.recording.stamps import step_of
-from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import read_sections
 from spacecraft_gnc.signals.attitude import GOVERNOR_STATUS
 
@@ -140,32 +137,41 @@ def test_a_stated_tolerance_lets_rounding_through_and_no_more(tamper):
     assert audit_bag(counted, tolerance=1e-12).passed  # rounding may tip the last bisection
 
 
-def test_without_the_targets_nothing_is_asked(bag, tmp_path):
-    (file,) = bag.glob("*.mcap")
-    with file.open("rb") as stream, BagWriter(tmp_path / "bag") as writer:
-        for topic, leaf in {**TOPICS, "wall_timing": "WallTiming"}.items():
-            name = f"spacecraft_gnc_msgs/msg/{leaf}"
-            if topic != "accepted_target":
-                digest = CODEC.store.hash_rihs01(name)
-                writer.add_topic(f"/{topic}", name, CODEC.texts[name], type_hash=digest)
-        for item in make_reader(stream).iter_attachments():
-            writer.attach(item.name, item.media_type, item.data)
-        for topic, stamp, data in messages_of(bag):
-            if topic != "/accepted_target":
-                writer.write(topic, stamp, stamp, data)
-    audit = audit_bag(tmp_path / "bag")
+def test_without_the_channel_of_the_targets_the_audit_fails(bag, tmp_path):
+    left = [item for item in messages_of(bag) if item[0] != "/accepted_target"]
+    audit = audit_bag(rewrite(bag, tmp_path / "bag", left, without=["/accepted_target"]))
+    assert first_of(audit) == ("topics of the graph", 0, "accepted_target (no channel)")
+    assert (line(audit).verdict, line(audit).note) == (
+        "not applicable", "not recorded: accepted_target"
+    )  # fmt: skip
+
+
+def test_where_the_targets_are_not_recorded_on_purpose_nothing_is_asked(tmp_path):
+    wanted = ["attitude_state", "attitude_reference", "governor_status", "torque_command",
+              "solver_status", "plant_invariants"]  # fmt: skip
+    flown = {**scenario(), "recorder": {"topics": wanted}}
+    bag = fly(tmp_path, flown, targets=TARGETS)
+    left = [item for item in messages_of(bag) if item[0].strip("/") in wanted]
+    others = {topic for topic, _, _ in messages_of(bag)} - {topic for topic, _, _ in left}
+    without = [*others, "/diagnostics", "/target_attitude", "/attitude_plan", "/plan_status"]
+    audit = audit_bag(rewrite(bag, tmp_path / "bag2", left, without=without))
     assert audit.passed, audit.first
     assert (line(audit).verdict, line(audit).note) == (
         "not applicable", "not recorded: accepted_target"
     )  # fmt: skip
 
 
-def test_lost_messages_are_no_accusation(bag, tmp_path):
+def test_losses_told_are_no_excuse(bag, tmp_path):
+    """Neither where a target is missing, nor where everything is there and they are made up."""
+    lost = {"/accepted_target": 1}
     left = [item for item in messages_of(bag) if item[0] != "/accepted_target"]
-    folder = rewrite(bag, tmp_path / "bag", left, lost={"/accepted_target": 1})
-    audit = audit_bag(folder)
+    audit = audit_bag(rewrite(bag, tmp_path / "left", left, lost=lost))
+    assert first_of(audit)[:2] == (CHECK, 7)
+    note = "the recorder says that it lost messages of /accepted_target"
+    assert line(audit).note == note
+    audit = audit_bag(rewrite(bag, tmp_path / "whole", messages_of(bag), lost=lost))
     assert audit.passed, audit.first
-    assert line(audit).note == "the recorder lost messages of /accepted_target"
+    assert (line(audit).steps, line(audit).note) == (N, f"targets taken in flight: 2; {note}")
 
 
 def test_a_governor_that_passes_through_is_asked_too(tmp_path):

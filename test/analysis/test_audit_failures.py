@@ -164,7 +164,7 @@ def test_a_solve_that_is_said_not_to_have_been_made_is_caught(tmp_path):
     """No plan, no status: the ladder's torque flies as if the solver had refused the state."""
     flown = fly(tmp_path, DIRECT, failing={0})
     changed = [
-        (topic, stamp, edited("SolverStatus", status=lambda _: 255)(data)
+        (topic, stamp, edited("SolverStatus", status=lambda _: 255, formulation=lambda _: "")(data)
          if topic == "/solver_status" and step_of(data) == 0 else data)
         for topic, stamp, data in messages_of(flown)
     ]  # fmt: skip

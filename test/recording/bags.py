@@ -48,6 +48,12 @@ class Codec:
         self.texts["std_msgs/msg/String"] = STANDARD["std_msgs/msg/String"]
         self.store.register(get_types_from_msg("string data", "std_msgs/msg/String"))
 
+    def text(self, type_name):
+        """Return the definition of one of our messages or of a standard one."""
+        if type_name not in self.texts:
+            return get_typestore(Stores.ROS2_JAZZY).generate_msgdef(type_name, ros_version=2)[0]
+        return self.texts[type_name]
+
     def make(self, name, **values):
         """Return a message object; ``name`` as ``std_msgs/Header`` or our ``AttitudeState``."""
         package, _, leaf = (name if "/" in name else f"spacecraft_gnc_msgs/{name}").partition("/")

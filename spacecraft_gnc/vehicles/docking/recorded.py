@@ -77,6 +77,8 @@ def read_recorded(
 def _rows(columns: Columns, names: tuple[str, ...], n: int) -> Array:
     """Return fields side by side (n, 6) by step; NaN where there is no message."""
     rows = np.full((n, 6), np.nan)
+    if not columns.steps.size:
+        return rows
     within = columns.steps < n
     rows[columns.steps[within]] = np.hstack([columns.fields[name][within] for name in names])
     return rows

@@ -25,6 +25,7 @@ from spacecraft_gnc.vehicles.docking.audit.governor import audit_governor
 from spacecraft_gnc.vehicles.docking.audit.law import believed_model
 from spacecraft_gnc.vehicles.docking.audit.motion import audit_motion
 from spacecraft_gnc.vehicles.docking.audit.navigation import audit_navigation
+from spacecraft_gnc.vehicles.docking.audit.pose import POSES
 from spacecraft_gnc.vehicles.docking.limits import limits_exceeded
 from spacecraft_gnc.vehicles.docking.recorded import read_recorded
 from spacecraft_gnc.vehicles.docking.signals import (
@@ -39,6 +40,7 @@ from spacecraft_gnc.vehicles.docking.signals import (
 _TOPICS: Final = Topics(
     every_step=(STATE, REFERENCE, GOVERNOR_STATUS, COMMAND),
     sparse=(ACCEPTED_TARGET, WALL_TIMING),
+    telemetry=(POSES,),
 )
 
 

@@ -73,11 +73,15 @@ def _not_asked(evidence: Evidence) -> str:
     recorded = flight_topics(evidence.bag, _NEEDED, evidence.namespace)
     missing = set(_NEEDED) - set(recorded.values())
     missing |= {name for name in _ANSWERED if not evidence.columns[name].steps.size}
-    if missing:
-        return f"not recorded: {', '.join(sorted(map(str, missing)))}"
+    return f"not recorded: {', '.join(sorted(map(str, missing)))}" if missing else ""
+
+
+def _lost(evidence: Evidence) -> str:
+    """Return what the recorder says that it lost: no excuse, for a bag may say so of anything."""
     losses = evidence.bag.metadata().get(LOSSES_RECORD, {})
+    recorded = flight_topics(evidence.bag, _NEEDED, evidence.namespace)
     lost = [topic for topic in recorded if losses.get(topic, "0") != "0"]
-    return f"the recorder lost messages of {', '.join(sorted(lost))}" if lost else ""
+    return f"the recorder says that it lost messages of {', '.join(sorted(lost))}" if lost else ""
 
 
 def _field(where: str) -> tuple[Signal, str]:
@@ -117,6 +121,7 @@ class _Inquiry:
         targets = evidence.columns[ACCEPTED_TARGET]
         attitudes = targets.fields.get("attitude", np.empty((0, 9))).reshape(-1, 3, 3)
         self._targets = dict(zip(targets.steps.tolist(), attitudes, strict=True))
+        self._lost = _lost(evidence)
         self._anew: list[int] = []
         self._refused: int | None = None
 
@@ -188,4 +193,6 @@ class _Inquiry:
             notes.append(f"targets taken in flight: {len(self._targets)}")
         if self._anew:
             notes.append(f"the governor started anew at step {', '.join(map(str, self._anew))}")
+        if self._lost:
+            notes.append(self._lost)
         return "; ".join(notes)

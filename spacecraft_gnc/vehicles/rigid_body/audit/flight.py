@@ -12,6 +12,7 @@ from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import Evidence, Progress, Topics
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.audit.limits import Exceedance
+from spacecraft_gnc.audit.telemetry import audit_latched, error_of, pose_of
 from spacecraft_gnc.audit.vehicle import Watch
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
 from spacecraft_gnc.signals.graph import WALL_TIMING
@@ -25,7 +26,9 @@ from spacecraft_gnc.vehicles.rigid_body.audit.references import audit_references
 from spacecraft_gnc.vehicles.rigid_body.audit.rungs import LAW, audit_law
 from spacecraft_gnc.vehicles.rigid_body.audit.solver import SolverAudit
 from spacecraft_gnc.vehicles.rigid_body.audit.torques import audit_torques
+from spacecraft_gnc.vehicles.rigid_body.markers import zone_markers
 from spacecraft_gnc.vehicles.rigid_body.metrics.limits import limits_exceeded
+from spacecraft_gnc.vehicles.rigid_body.planner.transfer import plans
 from spacecraft_gnc.vehicles.rigid_body.recorded import PLANS, acted, whole_steps
 from spacecraft_gnc.vehicles.rigid_body.signals import (
     APPLIED,
@@ -35,6 +38,7 @@ from spacecraft_gnc.vehicles.rigid_body.signals import (
     SOLVER_STATUS,
     STATE,
     TORQUE,
+    ZONE_MARKERS,
 )
 
 _TOPICS: Final = Topics(
@@ -42,8 +46,9 @@ _TOPICS: Final = Topics(
     sparse=(ACCEPTED_TARGET, WALL_TIMING, ATTITUDE_PLAN, PLAN_STATUS),
     solves=SOLVER_STATUS,
     plans=PLANS,
+    telemetry=(pose_of(STATE), error_of(STATE, TORQUE)),
+    later=dict.fromkeys((ATTITUDE_PLAN, PLAN_STATUS), plans),
 )
-
 
 _PLANS: Final = "plans of the solver"
 
@@ -81,6 +86,8 @@ class RigidBodyAudit:
         else:
             _solves(planned.tracked, ledger, counts, tolerance, watch("certifying"))
         audit_torques(evidence, held, ledger)  # last: where a command differs, its plan says so
+        zones = zone_markers(evidence.scenario.controller.zones)
+        audit_latched(evidence, ledger, ZONE_MARKERS, (zones,), tolerance)
         return _exceeded(evidence)
 
 
@@ -127,6 +134,9 @@ def _solves(
             solver.audit(block)
         solver.finish()
     else:
+        none = solves.fields["status"] == NO_SOLVE
+        same, where = solves.fields["formulation"][none] == "", "solver_status.formulation"
+        ledger.require("formulation of the method", "none", solves.steps[none], where, same)
         ledger.skip(_PLANS, f"method {method} makes none that is known here")
     if not scenario.method.memoryless and (certifier is None or not certifier.has_law):
         if certifier is None:

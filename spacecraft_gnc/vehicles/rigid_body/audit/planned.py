@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc import lie
+from spacecraft_gnc.audit.channels import is_expected
 from spacecraft_gnc.audit.evidence import Evidence, Progress
 from spacecraft_gnc.audit.ledger import Ledger
-from spacecraft_gnc.audit.order import audit_each_step, is_expected, stamps_of
+from spacecraft_gnc.audit.order import audit_each_step, audit_stamps, stamps_of
 from spacecraft_gnc.governors.planned.report import Cause
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, REFERENCE
@@ -63,10 +64,7 @@ class PlannedAudit:
             return
         evidence = self._evidence
         audit_each_step(evidence, ledger, PLAN_STATUS, held)
-        status = evidence.columns[PLAN_STATUS]
-        stamps = {f"{PLAN_STATUS}.header.stamp": status.stamps}
-        expected = stamps_of(status.steps, evidence.scenario.period)
-        ledger.compare("time stamps", status.steps, stamps, dict.fromkeys(stamps, expected))
+        audit_stamps(evidence, ledger, PLAN_STATUS)
         targets = self._targets()
         if evidence.columns[ATTITUDE_PLAN].steps.size == 0 and is_expected(evidence, ATTITUDE_PLAN):
             ledger.fail(WHOLE, "one at least", 0, f"{ATTITUDE_PLAN} (missing)")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,7 @@ class SolverAudit:
         solved = np.isin(block.fields["status"], SOLVED)
         solved &= block.steps < self._evidence.n
         self._sources(block, solved)
+        self._formulations(block)
         steps = block.steps[solved]
         rows = {name: values[solved] for name, values in block.fields.items()}
         whole = self._whole(steps, rows)
@@ -89,7 +90,6 @@ class SolverAudit:
                 self._ledger.skip(name, why)
             return
         self._standstill.audit(steps, plans, rows)
-        self._formulations(steps, rows["formulation"])
         self._corrections.audit(steps, plans, rows)
         found = self._certifier.certify(plans)
         for formulation in dict.fromkeys(rows["formulation"]):
@@ -134,12 +134,18 @@ class SolverAudit:
             "source follows from the status", "always", steps, "torque_command.source", kept
         )
 
-    def _formulations(self, steps: NDArray[np.int64], claimed: NDArray[Any]) -> None:
-        """Require a formulation of the method: it says what is asked of a plan."""
+    def _formulations(self, block: Columns) -> None:
+        """Require a formulation of the method of each solve, and none where there was no solve.
+
+        It says what is asked of a plan.
+        """
+        within = block.steps < self._evidence.n
+        claimed = block.fields["formulation"][within].astype(str)
+        none = block.fields["status"][within] == NO_SOLVE
         known = self._certifier.formulations
-        kept = np.isin(claimed.astype(str), known)
+        kept = np.where(none, claimed == "", np.isin(claimed, known))
         name, where = "formulation of the method", "solver_status.formulation"
-        self._ledger.require(name, " or ".join(known), steps, where, kept)
+        self._ledger.require(name, " or ".join(known), block.steps[within], where, kept)
 
     def _whole(self, steps: NDArray[np.int64], rows: Rows) -> NDArray[np.bool_]:
         """Return whose plan has the length of the horizon and whose step has all its messages."""

@@ -8,10 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.audit.applied import held_steps
+from spacecraft_gnc.audit.channels import channel_of
 from spacecraft_gnc.audit.counts import Counts
 from spacecraft_gnc.audit.evidence import Evidence, Topics
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.audit.limits import Exceedance
+from spacecraft_gnc.audit.order import audit_each_step, audit_stamps
+from spacecraft_gnc.audit.telemetry import error_of, pose_of
 from spacecraft_gnc.audit.vehicle import Watch
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.recording.aligned import whole_steps
@@ -39,6 +42,8 @@ _TOPICS: Final = Topics(
     sparse=(ACCEPTED_TARGET, WALL_TIMING, SOLVER_STATUS, DIAGNOSIS),  # older bags lack the last two
     solves=SOLVER_STATUS,
     plans=tuple(PLANS),
+    telemetry=(pose_of(STATE), error_of(STATE, COMMAND)),
+    later=dict.fromkeys((SOLVER_STATUS, DIAGNOSIS), lambda s: s.controller.method != "feedback"),
 )
 _OF_A_WHEEL: Final = (
     (STATE, "wheel_speed"),
@@ -82,6 +87,10 @@ class WheelAudit:
     ) -> tuple[Exceedance, ...]:
         """Enter every check of the flight; no limit can be exceeded, for a wheel saturates."""
         del counts  # no failure is looked into
+        for topic in (SOLVER_STATUS, DIAGNOSIS):
+            if channel_of(evidence, topic) is not None:
+                audit_each_step(evidence, ledger, topic, held)
+                audit_stamps(evidence, ledger, topic)
         audit_motion(evidence, ledger, tolerance, watch("integrating"))
         audit_references(evidence, ledger)
         audit_law(evidence, ledger, tolerance, watch("asking the law"))

@@ -14,9 +14,10 @@ from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.recording.columns import Columns
 from spacecraft_gnc.signals.attitude import REFERENCE
-from spacecraft_gnc.status import Status
+from spacecraft_gnc.status import NO_SOLVE, Status
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.two_wheel.audit.certificates import Planned
+from spacecraft_gnc.vehicles.two_wheel.audit.torque_plans import MODEL as BUS_MODEL
 from spacecraft_gnc.vehicles.two_wheel.audit.torque_plans import (
     TorqueProblem,
     audit_torque_plans,
@@ -27,6 +28,8 @@ from spacecraft_gnc.vehicles.two_wheel.euler import from_euler_321
 from spacecraft_gnc.vehicles.two_wheel.signals import COMMAND, SOLVER_STATUS, STATE
 
 PLANS: Final = "plans told"
+_NAMES: Final = "method, model and solver"
+_NAMED: Final = ("method", "model", "solver")
 MODELS: Final = ("simplified", "euler_321", "so3")
 _EVERY: Final = 8
 """Plans of which one has its curvature worked out."""
@@ -113,8 +116,32 @@ def audit_plans(evidence: Evidence, ledger: Ledger, progress: Progress | None) -
     audit = _PlanAudit(evidence, ledger)
     torque_problems: dict[bytes, TorqueProblem] = {}
     for block in evidence.solves(progress):
+        _audit_names(evidence, ledger, block)
         audit.enter(block)
         audit_torque_plans(evidence, ledger, block, torque_problems)
+
+
+def _audit_names(evidence: Evidence, ledger: Ledger, block: Columns) -> None:
+    """Require method, model and solver of the scenario's method: they say what is asked of a plan.
+
+    Where there was no solve, model and solver are empty.
+    """
+    c = evidence.scenario.controller
+    if evidence.scenario.vehicle.method(c.method) is None:
+        ledger.skip(_NAMES, f"method {c.method} is a plug-in's")
+        return
+    bus = ("shooting", BUS_MODEL, "shooting")
+    wheels = ("underactuated", c.prediction_model, c.solver)
+    known = {"shooting": [bus], "underactuated": [wheels], "fault_tolerant": [bus, wheels]}
+    made, nothing = known.get(c.method, []), [(c.method, "", "")]
+    told = zip(*(block.fields[name] for name in _NAMED), strict=True)
+    statuses = block.fields["status"].tolist()
+    kept = [
+        names in (nothing if status == NO_SOLVE else made)
+        for names, status in zip(told, statuses, strict=True)
+    ]
+    where = f"{SOLVER_STATUS}.{', '.join(_NAMED)}"
+    ledger.require(_NAMES, "the scenario's", block.steps, where, np.array(kept))
 
 
 class _PlanAudit:
