@@ -151,6 +151,8 @@ def test_what_was_flown_passes(bag):
         "no craft concluded lost that answers",
         "passage: begins at a deadlock, nearer with each formation",
         "passage: goes on until the formation is attained",
+        "passage: no admissible candidate is nearer, or costs less",
+        "passage: transitions left = a search of all parked formations",
         "shifts held = the last ones",
         "shifts held: no candidate is admissible",
         "shifts: no candidate exceeds a limit by less",

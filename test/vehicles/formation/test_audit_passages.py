@@ -21,6 +21,8 @@ from spacecraft_gnc.vehicles.formation.signals import GOVERNOR_STATUS, REFERENCE
 
 _PASSAGE = "passage: begins at a deadlock, nearer with each formation"
 _GOES_ON = "passage: goes on until the formation is attained"
+_NEAREST = "passage: no admissible candidate is nearer, or costs less"
+_LEFT = "passage: transitions left = a search of all parked formations"
 _LONGEST = "shifts: no candidate keeps the limits longer"
 LOST = {"spacecraft_lost": "sc2", "spacecraft_lost_at": ORBIT / 20}
 
@@ -80,7 +82,8 @@ def test_a_passage_leads_out_of_a_deadlock(parked):
     steps = {check.name: check.steps for check in audit.checks}
     passing = np.flatnonzero(parked.status == Answer.PASSAGE)
     assert passing[0] == np.flatnonzero(parked.deadlocked)[0] + 1
-    assert steps[_PASSAGE] == steps[_GOES_ON] == passing.size
+    assert steps[_PASSAGE] == steps[_GOES_ON] == steps[_NEAREST] == passing.size
+    assert steps[_LEFT] == np.count_nonzero(parked.deadlocked)
     assert parked.left.max() >= 2
     assert parked.left[-1] == 0
 
@@ -98,16 +101,10 @@ def test_a_forged_passage_is_named(parked, tmp_path):
     found = first_of_each(forged(parked, tmp_path, PARKED, changes))
     assert found["deadlocked: parked in another formation"] == first
     assert found[_PASSAGE] == first + 1  # it begins without a deadlock
+    assert found[_LEFT] == turn
     assert found["passage: waypoint = the shifts"] == turn + 3
     assert found[_GOES_ON] == turn + 5
     assert found["shifts: no admissible candidate costs less"] == turn + 5
-
-
-def test_passages_that_do_not_come_nearer_are_named(parked, tmp_path):
-    turn = 1 + int(np.flatnonzero(np.diff(parked.left) < 0)[0])
-    left = int(parked.left[turn])
-    found = first_of_each(forged(parked, tmp_path, PARKED, {turn: {"passages_left": left + 1}}))
-    assert found == {_PASSAGE: turn}
 
 
 def test_a_deadlock_that_is_not_resolved_stays_one(tmp_path):
@@ -125,7 +122,7 @@ def test_a_deadlock_that_is_not_resolved_stays_one(tmp_path):
     audit = audit_bag(told.bag)
     assert audit.passed, audit.first
     found = first_of_each(forged(told, tmp_path / "forged", flown, {6: {"passages_left": 2}}))
-    assert found == {_GOES_ON: 7}
+    assert found == {_GOES_ON: 7, _LEFT: 6}
 
 
 def test_shifts_after_a_loss_keep_the_limits_longest(lost):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.vehicles.formation.audit.candidates import Candidates
+from spacecraft_gnc.vehicles.formation.audit.graph import Ways
 from spacecraft_gnc.vehicles.formation.audit.loop import Loop
 from spacecraft_gnc.vehicles.formation.audit.rooms import Room, rooms_of, worst_of
 from spacecraft_gnc.vehicles.formation.audit.told import Told
@@ -41,9 +42,12 @@ class Found(NamedTuple):
     lasting: tuple[int, int, float]
     """Of LONGEST_KEPT alone: the instants up to which the chosen shifts may keep all limits, those
     of the best candidate beyond rounding, and the least cost of those that keep them as long."""
+    nearest: bool
+    """Of PASSAGE alone: whether no admissible candidate has fewer transitions left, or costs less
+    at as many; where none has fewer than the last shifts, whether these are kept."""
 
 
-def enumerate_step(told: Told, loop: Loop, i: int) -> Found:
+def enumerate_step(told: Told, loop: Loop, ways: Ways, i: int) -> Found:
     """Return what is true of one step."""
     step, shifts, lost = int(told.steps[i]), told.shifts[i], told.lost[i]
     answer = told.field("status")[i]
@@ -66,7 +70,24 @@ def enumerate_step(told: Told, loop: Loop, i: int) -> Found:
         rooms_of(made, wish),
         sum(costs) - float(open_to.min()),
         _lasting(made, shifts, slack) if answer == Answer.LONGEST_KEPT else (0, 0, math.inf),
+        _nearest(made, told, ways, i) if answer == Answer.PASSAGE else True,
     )
+
+
+def _nearest(made: Candidates, told: Told, ways: Ways, i: int) -> bool:
+    chosen, last, slack = told.shifts[i], told.shifts[i - 1], made.limits.loop.slack
+    known = told.follows[i] and (last < made.limits.loop.p).all()
+    left = ways.of_candidates(told.lost[i]) if known else None
+    if left is None:
+        return True
+    here, most = left[tuple(chosen)], max(left[tuple(last)] - 1, 0)
+    certain = (made.worst <= -slack) & (left >= 0) & (left <= most)
+    if here < 0 or here > most:
+        return bool((chosen == last).all() and not certain.any())
+    cost = made.cost[tuple(chosen)]
+    cheapest = made.cost[certain & (left == here)].min(initial=math.inf)
+    nearer = (certain & (left < here)).any()
+    return bool(not nearer and cost <= cheapest + slack * (1.0 + cost))
 
 
 def _of_last(made: Candidates, told: Told, i: int) -> float:

@@ -11,6 +11,8 @@ from spacecraft_gnc.audit.evidence import Evidence, Progress
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.vehicles.formation.audit.conclusions import audit_formed, audit_losses
 from spacecraft_gnc.vehicles.formation.audit.equations import ellipse, samples
+from spacecraft_gnc.vehicles.formation.audit.graph import Ways
+from spacecraft_gnc.vehicles.formation.audit.loop import Loop
 from spacecraft_gnc.vehicles.formation.audit.passages import audit_deadlocks
 from spacecraft_gnc.vehicles.formation.audit.shifts import ADMISSIBLE, audit_shifts
 from spacecraft_gnc.vehicles.formation.audit.told import Told
@@ -43,8 +45,10 @@ def audit_governor(evidence: Evidence, ledger: Ledger, progress: Progress | None
             ledger.require("shifts: none", "0", steps, f"{REFERENCE}.shift", still)
             ledger.skip(ADMISSIBLE, "governor none chooses nothing")
             return
-        audit_shifts(told, ledger, progress)
-        audit_deadlocks(told, ledger)
+        loop = Loop.of(evidence.scenario)
+        ways = Ways(loop)
+        audit_shifts(told, loop, ways, ledger, progress)
+        audit_deadlocks(told, ways, ledger)
         audit_losses(told, ledger)
 
 

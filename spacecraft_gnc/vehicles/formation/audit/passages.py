@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spacecraft_gnc.audit.ledger import Ledger
+from spacecraft_gnc.vehicles.formation.audit.graph import NO_WAY, Ways
 from spacecraft_gnc.vehicles.formation.audit.told import Told
 from spacecraft_gnc.vehicles.formation.decision import Answer
 from spacecraft_gnc.vehicles.formation.signals import GOVERNOR_STATUS, REFERENCE
@@ -17,17 +18,18 @@ _DEADLOCKED: Final = "deadlocked: parked in another formation"
 _HELD: Final = "shifts held = the last ones"
 _WAYPOINT: Final = "passage: waypoint = the shifts"
 _PASSAGE: Final = "passage: begins at a deadlock, nearer with each formation"
+_LEFT: Final = "passage: transitions left = a search of all parked formations"
 PATIENCE: Final = 5
 """Steps at rest under unchanged, unequal shifts after which there is a deadlock."""
-_NO_WAY: Final = -1.0
 
 
-def audit_deadlocks(told: Told, ledger: Ledger) -> None:
+def audit_deadlocks(told: Told, ways: Ways, ledger: Ledger) -> None:
     """Check deadlocks, passages, and shifts that are said to be held."""
     checks = _Deadlocks(told, ledger)
     checks.audit_held()
     checks.audit_conclusion()
     checks.audit_passages()
+    checks.audit_left(ways)
 
 
 class _Deadlocks:
@@ -84,7 +86,7 @@ class _Deadlocks:
         self.ledger.require(_DEADLOCKED, f"{PATIENCE} steps at rest", self.steps, where, kept)
 
     def _has_way(self, i: int) -> bool:
-        return bool(self.resolves and self.left[i] != _NO_WAY and self.left[i - 1] != _NO_WAY)
+        return bool(self.resolves and self.left[i] != NO_WAY and self.left[i - 1] != NO_WAY)
 
     def audit_passages(self) -> None:
         """Check waypoints, that passages begin at a deadlock, and that they come nearer."""
@@ -102,9 +104,25 @@ class _Deadlocks:
             return
         before = np.roll(np.arange(len(self.steps)), 1)
         left, last = self.left, self.left[before]
-        begun = (self.deadlocked & (left != _NO_WAY))[before] | passes[before]
+        begun = (self.deadlocked & (left != NO_WAY))[before] | passes[before]
         begun &= self.told.field("formed")[before] == 0.0
         nearer = np.where(self.same, left == last, left < np.maximum(last, 1.0))
         kept = ((begun & nearer & self.same_craft) | ~self.told.follows)[passes]
         kept[0] &= self.told.follows[passes][0]
         self.ledger.require(_PASSAGE, "as defined", self.steps[passes], where, kept)
+
+    def audit_left(self, ways: Ways) -> None:
+        """Compare the transitions left of a deadlock with a search of the audit's own."""
+        at = np.flatnonzero(self.deadlocked)
+        if not at.size:
+            self.ledger.skip(_LEFT, "there was no deadlock")
+            return
+        where = f"{GOVERNOR_STATUS}.passages_left"
+        kept = np.array([self._is_left(ways, i) for i in at.tolist()])
+        self.ledger.require(_LEFT, "up to rounding", self.steps[at], where, kept)
+
+    def _is_left(self, ways: Ways, i: int) -> bool:
+        if not self.resolves:
+            return bool(self.left[i] == NO_WAY)
+        lost, told = self.told.lost[i], float(self.left[i])
+        return ways.of(lost).holds(ways.number(self.told.shifts[i], lost), told)

@@ -12,6 +12,7 @@ from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.formation.audit.enumerated import Found, enumerate_step
+from spacecraft_gnc.vehicles.formation.audit.graph import Ways
 from spacecraft_gnc.vehicles.formation.audit.loop import Loop
 from spacecraft_gnc.vehicles.formation.audit.rooms import Room, names_the_least, when, worst_of
 from spacecraft_gnc.vehicles.formation.audit.told import Told
@@ -28,13 +29,15 @@ _REFUSED: Final = "constraint that the cheapest candidate would exceed"
 _HELD: Final = "shifts held: no candidate is admissible"
 _LONGEST: Final = "shifts: no candidate keeps the limits longer"
 _LEAST: Final = "shifts: no candidate exceeds a limit by less"
+_NEAREST: Final = "passage: no admissible candidate is nearer, or costs less"
 _GOES_ON: Final = "passage: goes on until the formation is attained"
 _NONE_ADMISSIBLE: Final = (Answer.HELD, Answer.LONGEST_KEPT, Answer.LEAST_VIOLATING)
 
 
-def audit_shifts(told: Told, ledger: Ledger, progress: Progress | None) -> None:
+def audit_shifts(
+    told: Told, loop: Loop, ways: Ways, ledger: Ledger, progress: Progress | None
+) -> None:
     """Check the shifts of steps with a governor that chooses."""
-    loop = Loop.of(told.evidence.scenario)
     within = np.asarray((told.shifts < loop.p).all(axis=1))
     where = f"{REFERENCE}.shift"
     ledger.require("shifts: below a period", f"< {loop.p}", told.steps, where, within)
@@ -42,7 +45,7 @@ def audit_shifts(told: Told, ledger: Ledger, progress: Progress | None) -> None:
     at = np.flatnonzero(usable)
     found: list[Found] = []
     for count, i in enumerate(at.tolist()):
-        found.append(enumerate_step(told, loop, i))
+        found.append(enumerate_step(told, loop, ways, i))
         if progress is not None:
             progress(count + 1, len(at))
     if found:
@@ -111,8 +114,17 @@ class _Entries:
             self.ledger.require(_HELD, "none", steps[none], f"{GOVERNOR_STATUS}.status", kept)
         else:
             self.ledger.skip(_HELD, "at every step some were")
+        self._nearest()
         self._least_violating(share)
         self._longest_kept()
+
+    def _nearest(self) -> None:
+        passes = self.status == Answer.PASSAGE
+        if not passes.any():
+            self.ledger.skip(_NEAREST, "there was none")
+            return
+        where, kept = f"{REFERENCE}.shift", self._of("nearest")[passes] == 1.0
+        self.ledger.require(_NEAREST, "up to rounding", self.steps[passes], where, kept)
 
     def _goes_on(self) -> None:
         """Check that a passage goes on where the last shifts of a known way are admissible."""
