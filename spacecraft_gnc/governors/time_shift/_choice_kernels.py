@@ -97,10 +97,10 @@ def least_violating(single, double, apart, counted, cost, able, shifts):
 
 
 @unlocked_kernel
-def nearest(able, masks, apart, counted, cost, phases, distances, most, shifts):
+def nearest(able, masks, apart, counted, cost, phases, distances, is_whole, most, shifts):
     """Least distance, at most ``most``, of the admissible combinations, and their number.
 
-    distances (c,): of the class of each formation of the ``counted`` craft, -1: none. Sets
+    distances (c,): of the `class_of` each formation of the ``counted`` craft, -1: none. Sets
     ``shifts`` (n,), of equally near ones the cheapest. Returns -1 if all are further away.
     """
     n, p = able.shape
@@ -128,7 +128,7 @@ def nearest(able, masks, apart, counted, cost, phases, distances, most, shifts):
             before[level], at[level] = total, -1
             continue
         count += 1
-        far = distances[class_of(at, counted, phases, p)]
+        far = distances[class_of(at, counted, phases, p, is_whole)]
         if far >= 0 and (far < best or (far == best and total < price)):
             best, price = far, total
             shifts[:] = at
@@ -136,11 +136,16 @@ def nearest(able, masks, apart, counted, cost, phases, distances, most, shifts):
 
 
 @kernel
-def class_of(shifts, counted, phases, p):
-    """Class of the formation of the ``counted`` craft: the digits of `_passage_kernels`."""
+def class_of(shifts, counted, phases, p, is_whole):
+    """Class of the formation of the ``counted`` craft: the digits of `_passage_kernels`.
+
+    ``is_whole``: the shifts of all of them are the digits, not the differences of places.
+    """
     number, first = 0, -1
     for i in range(shifts.shape[0]):
-        if counted[i] and first < 0:
+        if counted[i] and is_whole:
+            number = number * p + shifts[i]
+        elif counted[i] and first < 0:
             first = i
         elif counted[i]:
             ahead = phases[i] + shifts[i] - phases[first] - shifts[first]

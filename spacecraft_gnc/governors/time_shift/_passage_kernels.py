@@ -9,7 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from spacecraft_gnc._kernels import kernel, unlocked_kernel
-from spacecraft_gnc.governors.time_shift._prediction_kernels import keeps_both, largest, spread
+from spacecraft_gnc.governors.time_shift._prediction_kernels import (
+    keeps_apart,
+    keeps_both,
+    largest,
+    spread,
+)
 
 
 @unlocked_kernel
@@ -114,14 +119,89 @@ def mark_edges(joint, able, n, edges):
             mark_reached(joint, able, places, edges[number])
 
 
+@unlocked_kernel
+def mark_clear(positions, drift, m, least, clear):
+    """Set ``clear`` (p, p, p) [s, f, g] where a craft keeps away from a lost one that drifts.
+
+    s: steps from now at which it, parked at f, is commanded to g. ``drift`` (3, p m + r).
+    """
+    p, r = positions.shape[0], positions.shape[3]
+    for s in range(p):
+        lost = drift[:, s * m : s * m + r]
+        for f in range(p):
+            for g in range(p):
+                if clear[s, f, g]:
+                    clear[s, f, g] = keeps_apart(positions[f, g], lost, least)
+
+
 @kernel
-def count_transitions(edges, goal, distance):
-    """Set ``distance`` (c,) to the fewest transitions to the class ``goal``; -1: none leads."""
+def mark_shifts(joint, able, clear, s, places, origins, reached):
+    """Mark the shifts, as numbers of n digits, that one transition leads to at one instant.
+
+    origins (n,): places of each craft without a shift.
+    """
+    p, n = able.shape[0], places.shape[0]
+    at, level = np.full(n, -1), 0
+    while level >= 0:
+        at[level] += 1
+        g = at[level]
+        if g == p:
+            level -= 1
+            continue
+        fits = able[places[level], g] and clear[s, places[level], g]
+        for i in range(level):
+            fits = fits and joint[places[i], at[i], places[level], g] != 0
+        if not fits:
+            continue
+        if level < n - 1:
+            level += 1
+            at[level] = -1
+            continue
+        number = 0
+        for i in range(n):
+            number = number * p + (at[i] - origins[i]) % p
+        reached[number] = 1
+
+
+@unlocked_kernel
+def mark_edges_around(joint, able, clear, step, phases, edges, goals):
+    """Set ``edges`` (c, c) between the shifts of n craft, and ``goals`` (c,): all equal.
+
+    As `mark_edges`, but a lost craft makes a difference between shifts that differ by a common one.
+    """
+    p, n = able.shape[0], phases.shape[0]
+    shifts, origins = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+    for number in range(edges.shape[0]):
+        digits, is_goal, is_parked = number, True, True
+        for i in range(n - 1, -1, -1):
+            shifts[i] = digits % p
+            digits //= p
+            is_goal = is_goal and shifts[i] == shifts[n - 1]
+        for s in range(p):
+            places = (step + s + phases + shifts) % p
+            is_parked = is_parked and is_kept(joint, places)
+            for f in places:
+                is_parked = is_parked and clear[s, f, f]
+        if not is_parked:
+            continue
+        goals[number] = is_goal
+        for s in range(p):
+            origins[:] = (step + s + phases) % p
+            places = (origins + shifts) % p
+            mark_shifts(joint, able, clear, s, places, origins, edges[number])
+
+
+@kernel
+def count_transitions(edges, goals, distance):
+    """Set ``distance`` (c,) to the fewest transitions to one of the ``goals`` (c,); -1: none."""
     count = edges.shape[0]
+    queue, begin, end = np.zeros(count, dtype=np.int64), 0, 0
     distance[:] = -1
-    distance[goal] = 0
-    queue, begin, end = np.zeros(count, dtype=np.int64), 0, 1
-    queue[0] = goal
+    for number in range(count):
+        if goals[number]:
+            distance[number] = 0
+            queue[end] = number
+            end += 1
     while begin < end:
         to = queue[begin]
         begin += 1

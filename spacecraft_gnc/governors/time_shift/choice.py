@@ -95,16 +95,18 @@ def nearest(
     distances: Integers,
     most: int,
     last: Integers,
+    *,
+    is_whole: bool,
 ) -> Choice | None:
     """Return the admissible combination of least distance; ``last`` if none is ``most`` away.
 
-    ``distances`` (c,) are those of `Passages` for the craft that are not lost. None if ``last``
+    ``distances`` (c,) and ``is_whole`` are those of `Passages`. None if ``last``
     would have to be returned, and is not admissible.
     """
     shifts = np.zeros(predictor.problem.n_craft, dtype=np.int64)
     found, count = kernels.nearest(
         prediction.able, prediction.pairs, predictor.apart, ~prediction.lost, prediction.cost,
-        predictor.problem.phases, distances, most, shifts,
+        predictor.problem.phases, distances, is_whole, most, shifts,
     )  # fmt: skip
     if found >= 0:
         return Choice(shifts, int(count))

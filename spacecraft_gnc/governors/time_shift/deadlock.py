@@ -16,7 +16,12 @@ import numpy as np
 
 from spacecraft_gnc.governors.time_shift import choice
 from spacecraft_gnc.governors.time_shift.choice import Choice
-from spacecraft_gnc.governors.time_shift.passages import NO_PASSAGE, Passages, passages
+from spacecraft_gnc.governors.time_shift.passages import (
+    NO_PASSAGE,
+    Passages,
+    passages,
+    warm_up_around,
+)
 from spacecraft_gnc.governors.time_shift.prediction import Mask, Prediction, Predictor
 from spacecraft_gnc.governors.time_shift.problem import Integers
 
@@ -35,20 +40,21 @@ class DeadlockWatch:
 
     def __init__(self, predictor: Predictor, patience: int, *, resolves: bool) -> None:
         self._predictor, self._patience, self._resolves = predictor, patience, resolves
-        self._passages: dict[bytes, Passages] = {}
         self.reset()
 
     def reset(self) -> None:
         """Forget any deadlock."""
         self._parked_for = 0
         self._lost: Mask | None = None
+        self._passages: Passages | None = None
         self.is_deadlocked = False
         """From when it is noticed; with a passage, until the desired formation is reached."""
 
     def warm_up(self) -> None:
         """Search the passages of the whole formation."""
         if self._resolves:
-            self._of(np.zeros(self._predictor.problem.n_craft, dtype=np.bool_))
+            passages(self._predictor, np.zeros(self._predictor.problem.n_craft, dtype=np.bool_))
+            warm_up_around()
 
     def way_out(self, prediction: Prediction, shifts: Integers) -> Choice | None:
         """Return the next combination on the passage from the last ``shifts`` (n,).
@@ -58,36 +64,47 @@ class DeadlockWatch:
         """
         if not self.is_deadlocked or self._has_changed(prediction.lost):
             return None
-        left = self.left(shifts)
-        if left == NO_PASSAGE:
+        left, way = self.left(shifts), self._passages
+        if left == NO_PASSAGE or way is None:
             return None
-        distances = self._of(prediction.lost).distances
-        return choice.nearest(self._predictor, prediction, distances, max(left - 1, 0), shifts)
+        return choice.nearest(
+            self._predictor, prediction, way.distances, max(left - 1, 0), shifts,
+            is_whole=way.is_whole,
+        )  # fmt: skip
 
     def notice(
-        self, lost: Mask, shifts: Integers, *, held: bool, arrived: bool, is_equal: bool
+        self,
+        prediction: Prediction,
+        shifts: Integers,
+        *,
+        held: bool,
+        arrived: bool,
+        is_equal: bool,
     ) -> None:
         """Note the shifts (n,) of a step: held from the last one, craft arrived, all equal."""
-        if self._has_changed(lost):
+        if self._has_changed(prediction.lost):
             self.reset()
-            self._lost = lost
+            self._lost = prediction.lost
         if self.is_deadlocked and self.left(shifts) != NO_PASSAGE:
             self.is_deadlocked = not (is_equal and arrived)
             return
         self._parked_for = self._parked_for + 1 if held and arrived and not is_equal else 0
+        is_new = not self.is_deadlocked
         self.is_deadlocked = self._parked_for >= self._patience
+        if self.is_deadlocked and is_new and self._resolves:
+            self._passages = self._ways(prediction, shifts)
 
     def left(self, shifts: Integers) -> int:
         """Return the transitions still needed from shifts (n,), `NO_PASSAGE` if there is none."""
-        if self._lost is None or not self._resolves:
-            return NO_PASSAGE
-        return self._of(self._lost).distance(shifts)
+        return NO_PASSAGE if self._passages is None else self._passages.distance(shifts)
+
+    def _ways(self, prediction: Prediction, shifts: Integers) -> Passages:
+        """Return the passages around lost craft as they drift now, if there is one from here."""
+        if prediction.lost.any():
+            around = Passages(self._predictor, prediction.lost, prediction)
+            if around.distance(shifts) != NO_PASSAGE:
+                return around
+        return passages(self._predictor, prediction.lost)
 
     def _has_changed(self, lost: Mask) -> bool:
         return self._lost is None or not np.array_equal(lost, self._lost)
-
-    def _of(self, lost: Mask) -> Passages:
-        key = lost.tobytes()
-        if key not in self._passages:
-            self._passages[key] = passages(self._predictor, lost)
-        return self._passages[key]

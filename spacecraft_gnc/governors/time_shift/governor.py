@@ -83,7 +83,7 @@ class TimeShiftGovernor:
             choice.cheapest(self._predictor, prediction)
             choice.longest_kept(self._predictor, prediction)
             found = choice.least_violating(self._predictor, prediction)
-            choice.nearest(self._predictor, prediction, nowhere, 0, found.shifts)
+            choice.nearest(self._predictor, prediction, nowhere, 0, found.shifts, is_whole=False)
             choice.cheaper(self._predictor, prediction, found.shifts, 1.0)
             choice.cost_of(self._predictor, prediction, found.shifts)
 
@@ -157,7 +157,7 @@ class TimeShiftGovernor:
         arrived = error < self.formed_within
         held = self._shifts is not None and np.array_equal(shifts, self._shifts)
         self._watch.notice(
-            prediction.lost, shifts, held=held, arrived=arrived, is_equal=shift_cost == 0.0
+            prediction, shifts, held=held, arrived=arrived, is_equal=shift_cost == 0.0
         )
         is_stuck = self._watch.is_deadlocked and shift_cost > 0.0
         return TimeShiftDecision(

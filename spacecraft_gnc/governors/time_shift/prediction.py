@@ -48,6 +48,8 @@ class Prediction(NamedTuple):
     """(n, p) steps until then."""
     lost: Mask
     """(n,)"""
+    states: Array
+    """(n, 6) predicted from."""
 
 
 class Extremes(NamedTuple):
@@ -115,7 +117,17 @@ class Predictor:
             step, problem.phases, problem.substeps, problem.natural, self.path, positions, able,
             lost, problem.min_separation**2, self.cosine, pairs,
         )  # fmt: skip
-        return Prediction(step, able, pairs, cost, positions, delta_v, ahead, lost.copy())
+        return Prediction(step, able, pairs, cost, positions, delta_v, ahead, lost.copy(), states)
+
+    def drift(self, state: Array, steps: int) -> Array:
+        """Return the positions (3, steps m + 1) of a craft that drifts from a state (6,)."""
+        ahead, parts = self.problem.horizon, []
+        over = np.linalg.matrix_power(self.problem.state_map, ahead)
+        for _ in range(steps // ahead + 1):
+            parts.append(np.einsum("cjq,j->cq", self.drifts, state)[:, :-1])
+            state = over @ state
+        path = np.concatenate(parts, axis=1)[:, : steps * self.problem.substeps + 1]
+        return np.ascontiguousarray(path)
 
     def extremes(self, prediction: Prediction) -> Extremes:
         """Return the extremes of all pairs under all shifts, admissible or not."""

@@ -40,6 +40,9 @@ predictor = Predictor(p)
 predicted = predictor.predict(3, near, np.array([1, 2, 3]), lost)
 found["until"] = predictor.kept_until(predicted)
 found["distances"] = Passages(predictor, np.zeros(3, dtype=bool)).distances
+alone = np.array([False, True, False])
+drifting = predictor.predict(3, parked, np.array([0, 4, 4]), alone)
+found["around"] = Passages(predictor, alone, drifting).distances
 np.savez(sys.argv[1], **found)
 """
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import formations
 import numpy as np
 import pytest
@@ -15,6 +18,7 @@ from spacecraft_gnc.governors.time_shift import (
 )
 from spacecraft_gnc.plant.random_numbers import uniforms
 
+DATA = Path(__file__).parents[2] / "data" / "formation_deadlocks.json"
 HORIZON_MISSES = (13, 22, 30, 35)
 """Runs after whose loss there is for a while no combination that keeps all limits for 100 steps."""
 
@@ -73,6 +77,24 @@ def test_where_none_is_admissible_the_limits_are_kept_as_long_as_can_be(problem,
     assert fast <= problem.max_delta_v
     assert near >= problem.min_separation
     assert wide <= problem.max_angle
+
+
+@pytest.mark.parametrize(("case", "at"), [(6, 90), (7, 110)])
+def test_a_passage_leads_around_a_craft_that_was_lost_at_rest(problem, governor, case, at):
+    """Parked in a deadlock when it fails, it stays on the natural motion, in the others' way."""
+    start = json.loads(DATA.read_text(encoding="utf-8"))["starts"][case]
+    states = formations.start(
+        problem.natural, start["phases"], start["offsets"], start["amplitudes"]
+    )
+    flight = fly(governor, states, 400, failures=np.array([NEVER, NEVER, at]))
+    assert flight.formed_at > at
+    fast, near, wide = formations.flown_limits(problem, flight, lost=(2,))
+    assert fast <= problem.max_delta_v
+    assert near >= problem.min_separation
+    assert wide <= problem.max_angle
+    after = [d for d in flight.decisions if d.lost[2]]
+    assert any(decision.deadlocked for decision in after)
+    assert any(decision.answer == Answer.PASSAGE for decision in after)
 
 
 def test_with_all_craft_but_one_lost_it_forms_alone(problem, governor):

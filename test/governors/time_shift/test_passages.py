@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from enumerated_shifts import enumerate_all
 
+from spacecraft_gnc.governors.time_shift.choice import is_admissible
 from spacecraft_gnc.governors.time_shift.passages import (
     NO_PASSAGE,
     Passages,
@@ -72,6 +73,45 @@ def test_a_lost_craft_is_left_out(problem):
     assert len(searched.distances) == P
     assert searched.distance(np.array([2, 7, 2])) == 0
     assert searched.distance(np.array([0, 0, 1])) != 0
+
+
+@pytest.mark.parametrize("place", [1, 6])
+def test_passages_around_a_lost_craft_keep_away_from_it(problem, place):
+    """Craft 2 drifts on the natural motion: shifts next to the desired ones are one step away."""
+    lost, step = np.array([False, True, False]), 3
+    shifts = np.array([0, (place - problem.phases[1]) % P, 0])
+    states = problem.commanded(step, shifts)
+    predictor = Predictor(problem)
+    around = Passages(predictor, lost, predictor.predict(step, states, shifts, lost))
+    found = {c: around.distance(np.array([c[0], shifts[1], c[1]])) for c in classes()}
+    for a, b in classes():
+        parked, reached, stays = np.array([a, shifts[1], b]), False, True
+        for k in range(step, step + P):
+            now = predictor.predict(k, problem.commanded(k, parked), parked, lost)
+            stays = stays and is_admissible(now, parked)
+            for common in range(P):
+                reached = reached or is_admissible(now, np.array([common, shifts[1], common]))
+        if not stays:
+            assert found[a, b] == NO_PASSAGE
+        elif a == b:
+            assert found[a, b] == 0
+        else:
+            assert (found[a, b] == 1) == reached
+    assert {0, NO_PASSAGE} <= set(found.values())
+    assert max(found.values()) >= 1
+
+
+def test_a_lost_craft_far_away_is_not_in_the_way(problem):
+    lost, far = np.array([False, True, False]), np.zeros((3, 6))
+    far[1, 1] = 1e7  # [m]
+    predictor = Predictor(problem)
+    predicted = predictor.predict(0, far, np.zeros(3, dtype=np.int64), lost)
+    around, plain = Passages(predictor, lost, predicted), Passages(predictor, lost)
+    assert around.is_whole
+    assert len(around.distances) == P * P
+    for a, b in classes():
+        shifts = np.array([a, 0, b])
+        assert around.distance(shifts) == plain.distance(shifts)
 
 
 def test_graphs_too_large_are_not_searched():
