@@ -11,7 +11,8 @@ from recording.bags import CODEC
 from spacecraft_gnc.loop.protocols import Source
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.scenario import from_sections
-from spacecraft_gnc.signals.graph import WALL_TIMING
+from spacecraft_gnc.signals import graph
+from spacecraft_gnc.signals.graph import CLOCK, WALL_TIMING
 from spacecraft_gnc.signals.message import period_ns, stamp_of
 from spacecraft_gnc.vehicles.formation.craft import craft
 from spacecraft_gnc.vehicles.formation.outputs import Outputs
@@ -41,7 +42,7 @@ PARKED = {
     },
 }
 """The second and the third craft each at the other's place: parked, and deadlocked."""
-OTHERS = [signal for signal in SIGNALS if not signal.of_craft]
+OTHERS = [s for s in (*SIGNALS, *graph.SIGNALS) if s.recorded and not s.of_craft]
 
 
 def sections(**changes):
@@ -65,14 +66,15 @@ def nanoseconds():
 def topics_of(scenario):
     """Return the signal of each topic of a flight, by full name."""
     commands = [COMMAND.of(name) for name in craft(scenario)]
-    return {f"/{signal}": signal for signal in (*OTHERS, *commands, WALL_TIMING)}
+    return {f"/{signal.name.strip('/')}": signal for signal in (*OTHERS, *commands)}
 
 
 def announce(writer, scenario):
     """Announce the topics of a flight to a writer."""
     for topic, signal in topics_of(scenario).items():
-        text, hashed = CODEC.texts[signal.type], signal.type_hash
-        writer.add_topic(topic, signal.type, text, type_hash=hashed, gapless=signal.every_step)
+        text, hashed = CODEC.text(signal.type), signal.type_hash
+        gapless = signal.every_step and signal.is_stepped
+        writer.add_topic(topic, signal.type, text, type_hash=hashed, gapless=gapless)
 
 
 def fly(folder, flown=SECTIONS, late=(), silent=(), counted=True):
@@ -98,13 +100,14 @@ def fly(folder, flown=SECTIONS, late=(), silent=(), counted=True):
         def publish(step, told, prefix=""):
             for signal, value in told:
                 data = signal.encode(stamp_of(step, period), step, value)
-                bag.write(f"{prefix}/{signal}", step * period, step * period, data)
+                bag.write(f"{prefix}/{signal.name.strip('/')}", step * period, step * period, data)
 
         for k in range(plant.n_steps + 1):
             state = plant.state
             publish(k, plant.outputs(applied))
             if k == plant.n_steps:
                 break
+            publish(k, [(CLOCK, [stamp_of(k, period)])])
             decision = governor.decide(state)
             publish(k, outputs.governor(decision))
             asked, sources = [], []
