@@ -112,12 +112,14 @@ class _Question:
     def poll(self, now: float) -> None:
         if self.values or not self.is_there:
             return
-        if now - self._asked >= _RETRY:
+        if self._answer is not None and self._answer.done():
+            # First: who polls once a retry only would else never take an answer.
             self._asked = now
-            self._ask(self._client.list_parameters(), self._take_names)
-        elif self._answer is not None and self._answer.done():
             answer, self._answer = self._answer.result(), None
             self._take(answer)
+        elif now - self._asked >= _RETRY:
+            self._asked = now
+            self._ask(self._client.list_parameters(), self._take_names)
 
     def _ask(self, question: Any, take: Callable[[Any], None]) -> None:
         self._answer, self._take = question, take
