@@ -19,10 +19,12 @@ from spacecraft_gnc.vehicles.formation.decision import Answer
 from spacecraft_gnc.vehicles.formation.events import Standing, standing_name, standing_of
 from spacecraft_gnc.vehicles.formation.flown import angle_limit, ellipse, limit_of
 from spacecraft_gnc.vehicles.formation.geometry import communication_angles_deg, pairs, separations
+from spacecraft_gnc.vehicles.formation.hill import transition
 from spacecraft_gnc.vehicles.formation.live_panels import PanelsOf
 from spacecraft_gnc.vehicles.formation.metrics import healthy_pairs
+from spacecraft_gnc.vehicles.formation.orbit import mean_motion
 from spacecraft_gnc.vehicles.formation.scenario import Scenario
-from spacecraft_gnc.vehicles.formation.signals import GOVERNOR_STATUS, STATE
+from spacecraft_gnc.vehicles.formation.signals import GOVERNOR_STATUS, REFERENCE, STATE
 from spacecraft_gnc.vehicles.formation.summary import answer_name, length
 
 _UNKNOWN: Final = "unknown"
@@ -44,6 +46,8 @@ class FormationLive:
             },
             "applied_delta_v": f"{STATE}/applied_delta_v",
             "applied_source": f"{STATE}/applied_source",
+            "state_step": f"{STATE}/step",
+            "reference_step": f"{REFERENCE}/step",
         }
     )
     history: Final = (
@@ -52,7 +56,7 @@ class FormationLive:
     )  # fmt: skip
 
     def constants(self, scenario: Scenario | None) -> dict[str, Any]:
-        """Return limits (0: not known), the natural ellipse and the names of the craft."""
+        """Return limits and motion (0: not known), the natural ellipse, the names of the craft."""
         return {
             "target": None,
             "max_delta_v": limit_of(scenario, "max_delta_v"),
@@ -60,6 +64,8 @@ class FormationLive:
             "max_angle_deg": angle_limit(scenario),
             "craft": () if scenario is None else craft(scenario),
             "ring": ellipse(scenario),
+            "mean_motion": 0.0 if scenario is None else mean_motion(scenario.plant.altitude),
+            "time_step": 0.0 if scenario is None else scenario.period,
             "trail": "position",
         }
 
@@ -69,7 +75,7 @@ class FormationLive:
 
     def values(self, row: Mapping[str, Any], constants: Mapping[str, Any]) -> dict[str, Any]:
         """Return what is shown of a step."""
-        position, places = row.get("position"), row.get("reference_position")
+        position, places = row.get("position"), _places(row, constants)
         healthy, concluded = _bools(row.get("healthy")), _bools(row.get("lost"))
         apart = None if position is None else separations(position)
         angle = _angles(position, places, healthy)
@@ -130,6 +136,23 @@ def _integer(value: Any) -> int:
 
 def _numbered(position: Array | None) -> tuple[str, ...]:
     return () if position is None else tuple(str(i + 1) for i in range(len(position)))
+
+
+def _places(row: Mapping[str, Any], constants: Mapping[str, Any]) -> Array | None:
+    """Return where the craft are to be.
+
+    The reference of the newest step may not have come yet: an earlier one is moved on along the
+    natural motion, where that is known.
+    """
+    places, velocity = row.get("reference_position"), row.get("reference_velocity")
+    newest, told = row.get("state_step"), row.get("reference_step")
+    behind = 0 if newest is None or told is None else newest - told
+    if behind == 0 or places is None:
+        return places
+    if velocity is None or not constants["mean_motion"]:
+        return None
+    over = transition(constants["mean_motion"], behind * constants["time_step"])
+    return np.asarray((np.hstack([places, velocity]) @ over.T)[:, :3])
 
 
 def _expected(places: Array | None, concluded: Any) -> Array | None:

@@ -142,8 +142,21 @@ def test_a_graph_tells_what_was_applied_in_the_state():
     )
     assert values["source"] != "method"
     assert LIVE.values({"applied_source": (5, 5)}, LIVE.constants(None))["source"] == "method"
-    known = {f"{signal}/{field}" for signal in SIGNALS for field in signal.fields}
+    known = {f"{signal}/{field}" for signal in SIGNALS for field in (*signal.fields, "step")}
     assert set(LIVE.fields.values()) <= known
+
+
+def test_a_reference_that_has_not_come_yet_is_moved_on_along_the_natural_motion():
+    found, constants = flight(), LIVE.constants(scenario())
+    row = {
+        "position": found.position[61], "reference_position": found.reference_position[60],
+        "reference_velocity": found.reference_velocity[60], "state_step": 61, "reference_step": 60,
+    }  # fmt: skip
+    moved = LIVE.values(row, constants)
+    np.testing.assert_allclose(moved["places"], found.reference_position[61], atol=1e-6)
+    assert LIVE.values(row, LIVE.constants(None))["error"] is None
+    now = LIVE.values({**row, "state_step": 60}, constants)
+    np.testing.assert_array_equal(now["places"], found.reference_position[60])
 
 
 def test_the_page_draws_the_craft_where_they_are(browser):
