@@ -147,6 +147,7 @@ def test_what_was_flown_passes(bag):
     assert verdicts.pop("shifts: no admissible candidate costs less") == "pass"
     absent = {name for name, verdict in verdicts.items() if verdict == "not applicable"}
     assert absent == {
+        "answer where no candidate is admissible",
         "applied where no command came in time",
         "no craft concluded lost that answers",
         "passage: begins at a deadlock, nearer with each formation",

@@ -132,6 +132,7 @@ def test_shifts_after_a_loss_keep_the_limits_longest(lost):
     assert audit.passed, audit.first
     steps = {check.name: check.steps for check in audit.checks}
     assert steps[_LONGEST] == longest.size
+    assert steps["answer where no candidate is admissible"] == longest.size
     assert steps["no craft concluded lost that answers"] > 0
 
 
@@ -191,4 +192,5 @@ def test_other_shifts_after_a_loss_are_named(lost, tmp_path):
     }
     found = first_of_each(forged(lost, tmp_path, sections(plant=LOST), changes))
     assert found["shifts: no candidate exceeds a limit by less"] == longest
+    assert found["answer where no candidate is admissible"] == longest
     assert found["shifts: admissible, all constraints predicted"] == longest + 1

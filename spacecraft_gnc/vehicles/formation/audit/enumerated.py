@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,19 @@ from spacecraft_gnc.vehicles.formation.audit.loop import Loop
 from spacecraft_gnc.vehicles.formation.audit.rooms import Room, rooms_of, worst_of
 from spacecraft_gnc.vehicles.formation.audit.told import Told
 from spacecraft_gnc.vehicles.formation.decision import Answer
+
+
+class Lasting(NamedTuple):
+    """How long candidates keep all limits [instants of the prediction]; -1: no delta-v is kept."""
+
+    chosen: int
+    """The shifts chosen, limits met within rounding included."""
+    certain: int
+    """The best candidate, beyond rounding."""
+    possible: int
+    """The best candidate, limits met within rounding included."""
+    cheapest: float
+    """Least cost of those that keep them as long as the chosen, beyond rounding."""
 
 
 class Found(NamedTuple):
@@ -39,12 +52,15 @@ class Found(NamedTuple):
     """Of the cheapest candidate of all."""
     saved: float
     """By how much that costs less than the chosen shifts."""
-    lasting: tuple[int, int, float]
-    """Of LONGEST_KEPT alone: the instants up to which the chosen shifts may keep all limits, those
-    of the best candidate beyond rounding, and the least cost of those that keep them as long."""
+    lasting: Lasting
+    """How long limits are kept, where none is admissible after a loss."""
     nearest: bool
     """Of PASSAGE alone: whether no admissible candidate has fewer transitions left, or costs less
     at as many; where none has fewer than the last shifts, whether these are kept."""
+
+
+_AFTER_LOSS: Final = (Answer.LONGEST_KEPT, Answer.LEAST_VIOLATING)
+_NOT_ASKED: Final = Lasting(0, 0, 0, math.inf)
 
 
 def enumerate_step(told: Told, loop: Loop, ways: Ways, i: int) -> Found:
@@ -69,7 +85,7 @@ def enumerate_step(told: Told, loop: Loop, ways: Ways, i: int) -> Found:
         rooms,
         rooms_of(made, wish),
         sum(costs) - float(open_to.min()),
-        _lasting(made, shifts, slack) if answer == Answer.LONGEST_KEPT else (0, 0, math.inf),
+        _lasting(made, shifts, slack) if lost.any() and answer in _AFTER_LOSS else _NOT_ASKED,
         _nearest(made, told, ways, i) if answer == Answer.PASSAGE else True,
     )
 
@@ -96,11 +112,11 @@ def _of_last(made: Candidates, told: Told, i: int) -> float:
     return worst_of(rooms_of(made, last)) if known else math.nan
 
 
-def _lasting(made: Candidates, shifts: NDArray[np.int64], slack: float) -> tuple[int, int, float]:
-    until = int(made.kept_until(slack)[tuple(shifts)])
-    certain = made.kept_until(-slack)
-    as_long = certain >= max(until, 0)
-    return until, int(certain.max()), float(made.cost[as_long].min(initial=math.inf))
+def _lasting(made: Candidates, shifts: NDArray[np.int64], slack: float) -> Lasting:
+    possible, certain = made.kept_until(slack), made.kept_until(-slack)
+    until = int(possible[tuple(shifts)])
+    cheapest = made.cost[certain >= max(until, 0)].min(initial=math.inf)
+    return Lasting(until, int(certain.max()), int(possible.max()), float(cheapest))
 
 
 def _closed(lost: NDArray[np.bool_], shifts: NDArray[np.int64], p: int) -> NDArray[np.bool_]:

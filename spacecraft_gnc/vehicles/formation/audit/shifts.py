@@ -29,6 +29,7 @@ _REFUSED: Final = "constraint that the cheapest candidate would exceed"
 _HELD: Final = "shifts held: no candidate is admissible"
 _LONGEST: Final = "shifts: no candidate keeps the limits longer"
 _LEAST: Final = "shifts: no candidate exceeds a limit by less"
+_ANSWER: Final = "answer where no candidate is admissible"
 _NEAREST: Final = "passage: no admissible candidate is nearer, or costs less"
 _GOES_ON: Final = "passage: goes on until the formation is attained"
 _NONE_ADMISSIBLE: Final = (Answer.HELD, Answer.LONGEST_KEPT, Answer.LEAST_VIOLATING)
@@ -117,6 +118,7 @@ class _Entries:
         self._nearest()
         self._least_violating(share)
         self._longest_kept()
+        self._after_loss()
 
     def _nearest(self) -> None:
         passes = self.status == Answer.PASSAGE
@@ -155,11 +157,34 @@ class _Entries:
         cost = self._of("shift_cost") + self._of("state_cost")
         kept = []
         for row in at.tolist():
-            until, longest, least = self.found[row].lasting
-            cheapest = cost[row] <= least + self.slack * (1.0 + cost[row])
-            kept.append(until >= longest and (until > longest or cheapest))
+            lasting = self.found[row].lasting
+            cheapest = cost[row] <= lasting.cheapest + self.slack * (1.0 + cost[row])
+            longer = lasting.chosen > lasting.certain
+            kept.append(lasting.chosen >= lasting.certain and (longer or cheapest))
         where = f"{REFERENCE}.shift"
         self.ledger.require(_LONGEST, "up to rounding", self.steps[at], where, np.array(kept))
+
+    def _after_loss(self) -> None:
+        """Check the answer where none is admissible: held, or after a loss by how long they last.
+
+        Shifts that keep the limits for half a period at least leave the next steps a way round.
+        """
+        at = np.flatnonzero(np.isin(self.status, _NONE_ADMISSIBLE))
+        if not at.size:
+            self.ledger.skip(_ANSWER, "at every step some were")
+            return
+        lost = np.asarray(self.told.lost[self.at].any(axis=1))
+        half = self.loop.p // 2 * self.loop.checks
+        kept = []
+        for row in at.tolist():
+            lasting, answer = self.found[row].lasting, self.status[row]
+            expected = [Answer.HELD if self.steps[row] else Answer.LEAST_VIOLATING]
+            if lost[row]:
+                expected = [Answer.LONGEST_KEPT] if lasting.possible >= half else []
+                expected += [Answer.LEAST_VIOLATING] if lasting.certain < half else []
+            kept.append(answer in expected)
+        where = f"{GOVERNOR_STATUS}.status"
+        self.ledger.require(_ANSWER, "as defined", self.steps[at], where, np.array(kept))
 
     def _named(self, name: str, share: str, mine: str) -> None:
         """Compare the constraint that is told, its room and its numbers in words."""
