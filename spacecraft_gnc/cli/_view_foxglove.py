@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from spacecraft_gnc.analysis.live import foxglove
-from spacecraft_gnc.analysis.live.server import url_host
+from spacecraft_gnc.analysis.live.hosts import url_host
 from spacecraft_gnc.analysis.live.transport import Transport
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.playback import Playback

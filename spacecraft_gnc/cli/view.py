@@ -85,7 +85,8 @@ def view(
 ) -> None:
     """Watch a flight live at 10 Hz, or a bag with pause and seek; Ctrl-C ends."""
     from spacecraft_gnc.analysis.live.feed import Feed
-    from spacecraft_gnc.analysis.live.server import PageServer, is_loopback
+    from spacecraft_gnc.analysis.live.hosts import is_loopback
+    from spacecraft_gnc.analysis.live.server import PageServer
 
     if not is_loopback(host):
         print(

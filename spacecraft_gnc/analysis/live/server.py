@@ -2,25 +2,33 @@
 
 It serves no files of the user, answers only requests that name this machine (a page elsewhere could
 otherwise reach it by a name that it makes point here: DNS rebinding), sends no CORS header, and
-takes commands as JSON from its own page only.
+takes commands as JSON from its own page only. Connections, bytes and time of a request are bounded;
+whatever is refused is answered with one line.
 """
 
 from __future__ import annotations
 
 import errno
-import ipaddress
 import json
 import os
 import socket
 import threading
 from collections.abc import Mapping
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import BaseHTTPRequestHandler
 from importlib import resources
+from io import BufferedReader
 from typing import TYPE_CHECKING, Any, ClassVar, Final
-from urllib.parse import urlsplit
 
+from spacecraft_gnc.analysis.live.bounded import (
+    REQUEST_TIME,
+    BoundedServer,
+    RequestReader,
+    TooLate,
+    TooLong,
+)
 from spacecraft_gnc.analysis.live.feed import Feed
+from spacecraft_gnc.analysis.live.hosts import host_is_ours, url_host
 from spacecraft_gnc.errors import GncError, ParameterError
 
 if TYPE_CHECKING:
@@ -29,8 +37,9 @@ if TYPE_CHECKING:
 DEFAULT_PORT: Final = 8760
 _MOST_WATCHERS: Final = 32
 _MOST_BYTES: Final = 1024  # of a command
+_MOST_BRACKETS: Final = 8  # in a command, which nests nothing
 _PATIENCE: Final = 20.0  # [s] for a client to take what it is sent
-_LOCAL_NAMES: Final = ("localhost", "127.0.0.1", "::1")
+_PLAIN: Final = "text/plain; charset=utf-8"
 _PAGE: Final = resources.files("spacecraft_gnc.analysis.live") / "page"
 _FILES: Final = {
     "/": ("index.html", "text/html; charset=utf-8"),
@@ -71,6 +80,8 @@ class PageServer:
         Address to listen on.
     port
         None: `DEFAULT_PORT`, or any free one.
+    patience
+        Wall time for a client to send its request [s].
 
     Raises
     ------
@@ -78,9 +89,15 @@ class PageServer:
         The port asked for cannot be had.
     """
 
-    def __init__(self, feed: Feed, host: str = "127.0.0.1", port: int | None = None) -> None:
+    def __init__(
+        self,
+        feed: Feed,
+        host: str = "127.0.0.1",
+        port: int | None = None,
+        patience: float = REQUEST_TIME,
+    ) -> None:
         watchers = threading.BoundedSemaphore(_MOST_WATCHERS)
-        members = {"feed": feed, "bound_host": host, "watchers": watchers}
+        members = {"feed": feed, "bound_host": host, "watchers": watchers, "patience": patience}
         handler = type("_BoundHandler", (_Handler,), members)
         self._server = _listen(handler, host, port)
         self._feed = feed
@@ -106,35 +123,12 @@ class PageServer:
         self._thread.join()
 
 
-def url_host(host: str) -> str:
-    """Return a host as a URL on this machine has it."""
-    if host in ("0.0.0.0", "::"):  # noqa: S104 - compared, not bound
-        return "127.0.0.1" if host == "0.0.0.0" else "[::1]"  # noqa: S104
-    return f"[{host}]" if ":" in host else host
-
-
-def is_loopback(host: str) -> bool:
-    """Tell whether only this machine can reach a server bound to ``host``."""
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return host == "localhost"
-
-
-class _Server(ThreadingHTTPServer):
-    daemon_threads = True
-    block_on_close = False  # a watcher that takes nothing must not hold up the end
-
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say nothing: a watcher that leaves is no error."""
-
-
-class _Server6(_Server):
+class _Server6(BoundedServer):
     address_family = socket.AF_INET6
 
 
-def _listen(handler: Any, host: str, port: int | None) -> _Server:
-    kind = _Server6 if ":" in host else _Server
+def _listen(handler: Any, host: str, port: int | None) -> BoundedServer:
+    kind = _Server6 if ":" in host else BoundedServer
     wanted = (DEFAULT_PORT, 0) if port is None else (port,)
     for last, candidate in ((p == wanted[-1], p) for p in wanted):
         try:
@@ -163,38 +157,33 @@ def refused(host: str, port: int, error: OSError) -> PortTaken:
     )
 
 
-def host_is_ours(header: str | None, bound_host: str) -> bool:
-    """Tell whether a Host header names this machine.
-
-    Bound to loopback, only its names do. Otherwise an address or the machine's own name does too:
-    an address cannot be made to point elsewhere.
-    """
-    try:
-        name = urlsplit(f"//{header}").hostname if header else None
-    except ValueError:
-        return False
-    if not name:
-        return False
-    if name in (*_LOCAL_NAMES, bound_host.lower()):
-        return True
-    if is_loopback(bound_host):
-        return False
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return name == socket.gethostname().lower()
-    return True
-
-
 class _Handler(BaseHTTPRequestHandler):
     """Answers one request."""
 
     feed: ClassVar[Feed]
     bound_host: ClassVar[str]
     watchers: ClassVar[threading.BoundedSemaphore]
-    timeout = _PATIENCE
+    patience: ClassVar[float]
     server_version = "spacecraft_gnc"
     sys_version = ""
+    request_version = "HTTP/1.0"  # until a request says so
+    default_request_version = "HTTP/1.0"  # answers of version 0.9 would have no status
+    requestline = ""
+    command = ""
+
+    def setup(self) -> None:
+        """Bound what is read."""
+        super().setup()
+        self.rfile = BufferedReader(RequestReader(self.connection, self.patience))
+
+    def handle(self) -> None:
+        """Answer the one request of a connection."""
+        try:
+            super().handle()
+        except TooLate:
+            self._answer(HTTPStatus.REQUEST_TIMEOUT, f"no request within {self.patience:g} s\n")
+        except TooLong:
+            self._answer(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, "too long a request\n")
 
     def do_GET(self) -> None:
         """Serve the page, or its events."""
@@ -221,6 +210,11 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             self._take_command()
 
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Answer what is no request with one line, too."""
+        status = HTTPStatus(code)
+        self._answer(status, f"{explain or message or status.phrase}\n")
+
     def log_message(self, *_: Any) -> None:
         """Say nothing: requests are no news."""
 
@@ -232,20 +226,31 @@ class _Handler(BaseHTTPRequestHandler):
         )
 
     def _take_command(self) -> None:
+        length = self.headers.get("Content-Length") or "0"
         try:
-            command = self._read_command()
+            size = int(length)
+            if size > _MOST_BYTES:
+                text = f"received {size} bytes; required 1 to {_MOST_BYTES}\n"
+                self._answer(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, text)
+                return
+            command = self._read_command(size)
             value = command.get("value")
             self.feed.control(str(command.get("action")), None if value is None else float(value))
-        except (ValueError, TypeError, ParameterError) as error:
+        except (ValueError, TypeError, OverflowError, ParameterError) as error:
             self._answer(HTTPStatus.BAD_REQUEST, f"{error}\n")
         else:
             self._answer(HTTPStatus.OK, "{}\n", "application/json")
 
-    def _read_command(self) -> Mapping[str, Any]:
-        length = int(self.headers.get("Content-Length") or 0)
-        if not 0 < length <= _MOST_BYTES:
-            raise ValueError(f"received {length} bytes; required 1 to {_MOST_BYTES}")
-        command = json.loads(self.rfile.read(length))
+    def _read_command(self, size: int) -> Mapping[str, Any]:
+        if size <= 0:
+            raise ValueError(f"received {size} bytes; required 1 to {_MOST_BYTES}")
+        data = self.rfile.read(size)
+        brackets = data.count(b"[") + data.count(b"{")
+        if brackets > _MOST_BRACKETS:  # the parser would run out of stack at a thousand
+            raise ValueError(
+                f"received {brackets} opening brackets; required {_MOST_BRACKETS} at most"
+            )
+        command = json.loads(data)
         if not isinstance(command, dict):
             raise TypeError("received no JSON object; required one with an action")
         return command
@@ -261,14 +266,15 @@ class _Handler(BaseHTTPRequestHandler):
         finally:
             self.watchers.release()
 
-    def _answer(
-        self, status: HTTPStatus, text: str, kind: str = "text/plain; charset=utf-8"
-    ) -> None:
-        body = text.encode()
+    def _answer(self, status: HTTPStatus, text: str, kind: str = _PLAIN) -> None:
+        if kind == _PLAIN:
+            text = " ".join(text.split()) + "\n"  # it may quote what was sent
+        body = text.encode(errors="backslashreplace")
         self._begin(status, kind, len(body))
         self.wfile.write(body)
 
     def _begin(self, status: HTTPStatus, kind: str, length: int | None = None) -> None:
+        self.connection.settimeout(_PATIENCE)  # what reads set it to is over
         self.send_response(status)
         self.send_header("Content-Type", kind)
         if length is not None:
