@@ -25,6 +25,9 @@ curvature of a `sun_moon` solve, taken where rounding ends the iterations, by 6e
 NOTHING = 1e-14
 """Arrays whose largest magnitude is below it hold rounding errors of numbers near 1 only."""
 
+ROUGH = 0.1
+"""Share of an array's largest magnitude that `rough_differences` allows."""
+
 ROUNDED = frozenset({"iterations", "residual"})
 """Arrays decided by rounding errors: another machine need not have the same. A residual is what
 rounding leaves of zero, and `iterations` counts how often a solve tried to lower it."""
@@ -84,6 +87,22 @@ def array_differences(name: str, stored: Record, found: Record, *, exact: bool) 
         yield f"{name}: {_first_rows(stored, found)}"
     elif not _is_rounded(name):
         yield from _beyond_tolerance(name, stored, found)
+
+
+def rough_differences(name: str, stored: Record, found: Record) -> Iterator[str]:
+    """Yield one line where a flight is another in the large: by more than `ROUGH`."""
+    for part in ("dtype", "shape"):
+        if stored[part] != found[part]:
+            yield f"{name}: {part} {found[part]}; pinned {stored[part]}"
+            return
+    if "samples" not in stored or _is_rounded(name) or not np.isfinite(stored["largest"]):
+        return
+    allowed = ROUGH * max(stored["largest"], 1e-3)
+    pairs = zip(found["samples"], stored["samples"], strict=False)
+    far = max([abs(ours - theirs) for ours, theirs in pairs], default=0.0)
+    far = max(far, abs(found["largest"] - stored["largest"]))
+    if not far <= allowed:
+        yield f"{name}: another by {far:.3g}; allowed {allowed:.3g}"
 
 
 def _is_rounded(name: str) -> bool:
