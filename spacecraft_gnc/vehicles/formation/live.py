@@ -278,11 +278,16 @@ def _governor(values: Mapping[str, Any]) -> Iterator[Readout]:
     yield Readout("cost W", number(values["shift_cost"], 4))
     yield Readout("cost Omega", number(values["state_cost"], 4))
     count = _integer(values["n_admissible"])
-    yield Readout("admissible", f"{count}" if count >= 0 else "", "" if count else "warn")
+    yield Readout("allowed", f"{count}" if count >= 0 else "", "" if count else "warn")
     yield Readout("passages left", f"{values['passages_left'] or ''}")
     room = values["governor_margin"]
     yield Readout("least room", number(None if room is None else 100.0 * room, 3, " %"),
                   "bad" if room is not None and room < 0.0 else "")  # fmt: skip
-    yield Readout("least room in", values["constraint"] or "")
-    yield Readout("cheapest refused for", values["refused"] or "")
+    yield Readout("least room in", _named(values["constraint"]))
+    yield Readout("cheapest refused for", _named(values["refused"]))
     yield Readout("takes", duration(values["solve_time"]))
+
+
+def _named(constraint: str | None) -> str:
+    """Return the name of a constraint, without the numbers that follow it."""
+    return (constraint or "").partition(":")[0]

@@ -96,7 +96,7 @@ def test_a_deadlock_and_a_passage_stand_out():
         ("status", 1, "governor", "shifts", ("held", "warn")),
         ("status", 5, "governor", "shifts", ("passed", "")),
         ("governor_margin", -0.02, "governor", "least room", ("-2 %", "bad")),
-        ("n_admissible", 0, "governor", "admissible", ("0", "warn")),
+        ("n_admissible", 0, "governor", "allowed", ("0", "warn")),
     ],
 )
 def test_what_is_broken_stands_out(column, value, group, line, expected):
@@ -110,6 +110,12 @@ def test_pairs_that_break_a_limit_stand_out():
     assert lines["sc1-sc3 apart"] == ("471 m", "bad")
     assert lines["sc1-sc2 angle"] == ("73.2°", "bad")
     assert lines["sc2-sc3 apart"][1] == ""
+
+
+def test_constraints_are_told_by_name():
+    told = {"constraint": "separation of sc1 and sc2: 1699 m, limit 1000 m, in 47 steps"}
+    lines = LIVE.readouts(LIVE.values(told, LIVE.constants(None)), True)["governor"]
+    assert {line.label: line.text for line in lines}["least room in"] == "separation of sc1 and sc2"
 
 
 def test_an_ungoverned_flight_has_no_governor():
