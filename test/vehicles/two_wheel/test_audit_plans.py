@@ -133,10 +133,12 @@ def test_a_plan_that_is_not_optimal_is_no_minimum(bag, messages, tmp_path):
     assert checks["first-order conditions"].first.step == STEP
 
 
-def test_a_bag_without_solves_is_audited_without_them(bag, messages, tmp_path):
-    older = [message for message in messages if message[0] != f"/{SOLVER_STATUS}"]
-    audit = audit_bag(rewrite(bag, tmp_path / "bag", older))
-    assert audit.passed, audit.first
+@pytest.mark.parametrize("without", [(), (f"/{SOLVER_STATUS}",)], ids=["messages", "channel"])
+def test_solves_that_are_left_out_are_missed(bag, messages, tmp_path, without):
+    left = [message for message in messages if message[0] != f"/{SOLVER_STATUS}"]
+    audit = audit_bag(rewrite(bag, tmp_path / "bag", left, without))
+    missed = "topics of the graph" if without else f"steps of {SOLVER_STATUS}"
+    assert {check.name for check in audit.checks if check.first is not None} == {missed}
     notes = {check.name: check.note for check in audit.checks}
     assert notes["plans told"] == "wheel_solver_status was not recorded"
 
