@@ -31,9 +31,9 @@ _WALL_FIELDS = frozenset({"wall_solve_time", "wall_deadline_slack"})
 BY_SETS = frozenset(
     f"afrl_docking{which}" for which in ("", "_noise", "_thruster_failed", "_tilted")
 )
-"""Scenarios whose governor has admissible sets. Rounding decides which of their nearly parallel rows
-are removed as redundant, and so by up to a hundredth how the reference moves: on a machine that
-computes otherwise these flights agree in the large only."""
+"""Scenarios whose governor has admissible sets. Rounding decides which of their nearly parallel
+rows are removed as redundant, and so by up to a hundredth how the reference moves: on a machine
+that computes otherwise these flights agree in the large only."""
 _ROUGHLY_EQUAL = ("constraints_kept", "phase", "thruster_lost", "thruster_loss_detected_at")
 _OMITTED = frozenset(
     {
