@@ -173,7 +173,9 @@ class _Rate:
         """Show it."""
         now, passed = time.perf_counter(), counts[_PASSED]
         self._first = before, begun = self._first or (done, now)
-        told = f"{passed} passed, {done - passed} failed"
+        refused = counts["refused"]
+        told = f"{passed} passed, {done - passed - refused} failed"
+        told += f", {refused} refused" if refused else ""
         if done > before:
             rate = (done - before) / (now - begun)
             left = timedelta(seconds=round((total - done) / rate))

@@ -71,7 +71,7 @@ def slew(
             raise GraphError(
                 f"{action}: received a {GOVERNOR} without that action, whose vehicle is steered by "
                 "more than an attitude; required one that takes attitudes; publish a target on its "
-                "topic instead (`gnc inspect topics`)"
+                "topic instead, if it has one (`gnc inspect topics`)"
             )
         raise GraphError(
             f"{action}: no action server on ROS_DOMAIN_ID={view.domain_id}; required a live "

@@ -178,7 +178,7 @@ def _write_mat(export: Export, file: Path, progress: Progress) -> None:
 
 def _matlab_name(name: str) -> str:
     """Return a name as MATLAB takes it."""
-    plain = name.replace(".", "_")
+    plain = name.replace(".", "_").replace("/", "_")
     if len(plain) > LONGEST_NAME or not plain.isidentifier():
         raise ParameterError(
             f"--format: received mat, but {name!r} is no name for MATLAB; required at most "

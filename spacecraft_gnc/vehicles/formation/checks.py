@@ -17,7 +17,7 @@ WHOLE: Final = 1e-9
 FEWEST_SAMPLES: Final = 3
 MOST_CANDIDATES: Final = 10_000_000
 """Combinations of shifts that one step can enumerate."""
-_NAMESPACE: Final = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
+_NAMESPACE: Final = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _MARGINS: Final = ("delta_v_margin", "separation_margin", "communication_angle_margin_deg")
 _PLACES: Final = ("initial_phase", "initial_along_track_offset", "initial_amplitude")
 _STATES: Final = {"initial_position": "initial_velocity", "initial_velocity": "initial_position"}
@@ -28,9 +28,10 @@ def check(checked: Checked) -> None:
     craft = checked.get(_PLANT, "spacecraft")
     if isinstance(craft, list) and _PLANT in checked.given:
         _check_craft(checked, craft)
-        _check_starts(checked, len(craft))
-        _check_phases(checked, len(craft))
-        _check_loss(checked, craft)
+        if len(craft) > 1:
+            _check_starts(checked, len(craft))
+            _check_phases(checked, len(craft))
+            _check_loss(checked, craft)
     _check_step(checked)
     _check_margins(checked)
     samples = _check_orbit(checked)
@@ -49,7 +50,9 @@ def _check_craft(checked: Checked, craft: list[Any]) -> None:
         checked.complain(_PLANT, "spacecraft", value, "two spacecraft or more", "add another one")
     for name in craft:
         if not _NAMESPACE.fullmatch(name):
-            need = "a ROS namespace: letters, digits and _, of which no digit comes first"
+            need = (
+                "a ROS namespace of one word: letters, digits and _, of which no digit comes first"
+            )
             checked.complain(_PLANT, "spacecraft", shown(name), need, "rename the craft")
     plain = [name.strip("/") for name in craft]
     for name in sorted({name for name in plain if plain.count(name) > 1}):
@@ -58,7 +61,7 @@ def _check_craft(checked: Checked, craft: list[Any]) -> None:
 
 
 def _check_starts(checked: Checked, count: int) -> None:
-    """Check that each craft has one start, by its place on an ellipse or by its state."""
+    """Check that each craft has a start: its state, or else its place on an ellipse."""
     given = [name for name in _STATES if checked.get(_PLANT, name)]
     for name in given:
         other = _STATES[name]
@@ -67,13 +70,8 @@ def _check_starts(checked: Checked, count: int) -> None:
             value = shown(checked.get(_PLANT, name))
             checked.complain(_PLANT, name, value, need, f"add it, or remove {name}")
         _check_length(checked, _PLANT, name, count, 3)
-    for name in _PLACES:
-        if not given:
-            _check_length(checked, _PLANT, name, count)
-        elif checked.is_changed(_PLANT, name):
-            need = f"the start of each craft once, and {' and '.join(given)} give it"
-            value = shown(checked.get(_PLANT, name))
-            checked.complain(_PLANT, name, value, need, f"remove {name}, or remove these")
+    for name in () if given else _PLACES:
+        _check_length(checked, _PLANT, name, count)
 
 
 def _check_length(checked: Checked, section: str, name: str, count: int, each: int = 1) -> bool:
@@ -102,8 +100,10 @@ def _check_phases(checked: Checked, count: int) -> None:
     second = next(i for i, place in enumerate(places) if place in places[:i])
     craft: Any = checked.get(_PLANT, "spacecraft")
     pair = f"{craft[places.index(places[second])]} and {craft[second]}"
-    value = f"{shown(phases)}, in which {pair} have one place"
-    need = f"another place for each craft, counted modulo the {samples} control steps of the orbit"
+    value = f"{shown(phases)}, in which {pair} share a place"
+    need = (
+        f"a different place for each craft, counted modulo the {samples} control steps of the orbit"
+    )
     checked.complain(_GOVERNOR, "phase", value, need, "move one of them")
 
 
@@ -193,7 +193,7 @@ def _check_time_of_loss(checked: Checked, at: Any) -> None:
     last = (math.floor(duration / period * (1.0 + WHOLE)) - 1) * period
     if at > last * (1.0 + WHOLE):
         need = f"a time up to the start of the last control step ({last:.10g} s)"
-        remedy = "lose it earlier, or lengthen the flight"
+        remedy = "give an earlier time, or lengthen the flight"
         checked.complain(_PLANT, "spacecraft_lost_at", f"{at!r} s", need, remedy)
 
 

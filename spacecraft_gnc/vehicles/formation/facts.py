@@ -13,7 +13,7 @@ from spacecraft_gnc.vehicles.formation.scenario import Scenario
 from spacecraft_gnc.vehicles.vehicle import Facts, Outlook
 
 _TRUTHS = {
-    "hill": "Hill's equations, as the laws believe",
+    "hill": "Hill's equations, as the laws assume",
     "two_body": "two-body motion, of which the laws do not know",
     "two_body_j2": "two-body motion with J2, of which the laws do not know",
 }
@@ -57,7 +57,8 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
 
 
 def _formation(p: PlantParameters, phases: tuple[int, ...], apart: admissible.Nearest) -> str:
-    axes = f"ellipse of {2.0 * p.radial_semi_axis / 1e3:g} x {4.0 * p.radial_semi_axis / 1e3:g} km"
+    a = p.radial_semi_axis / 1e3
+    axes = f"ellipse of semi-axes {a:g} km radial, {2.0 * a:g} km along the track"
     places = ", ".join(map(str, phases))
     return f"{axes}, places {places}, {apart.distance / 1e3:.4g} km apart or more"
 

@@ -27,7 +27,8 @@ class FormationFlight(Flight):
     position, velocity : (n, m, 3) arrays
         At the start of the step, before its impulses, Hill's frame [m], [m/s].
     delta_v : (n, m, 3) array
-        Change of velocity commanded at the start of the step, Hill's frame [m/s].
+        Change of velocity commanded at the start of the step, Hill's frame [m/s]; a craft that is
+        not ``healthy`` makes none.
     time_shift : (n, m) array of int
         Shift of each craft along the natural trajectory [control steps]; -1: not known.
     reference_position, reference_velocity : (n, m, 3) arrays

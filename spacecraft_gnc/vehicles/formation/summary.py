@@ -162,7 +162,7 @@ def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
         ("largest delta-v", beside_limit(m, "max_delta_v", "m/s")),
         ("least separation", beside_limit(m, "min_separation", "m")),
         ("widest angle", beside_limit(m, "max_communication_angle_deg", "deg")),
-        ("delta-v in all", _spent_text(m)),
+        ("total delta-v", _spent_text(m)),
     ]
     if m["deadlocks"]:
         rows.append(("deadlock", deadlock_text(m)))
@@ -232,7 +232,7 @@ def answer_name(answer: int) -> str:
 
 def _end(m: dict[str, Any]) -> str:
     error = m["final_position_error"]
-    return "not known" if error is None else f"up to {length(error)} off the places to track"
+    return "not known" if error is None else f"up to {length(error)} from the commanded positions"
 
 
 def length(value: float) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from spacecraft_gnc.scenario import InvalidScenario, from_sections
-from spacecraft_gnc.vehicles.formation.admissible import desired
+from spacecraft_gnc.vehicles.formation.admissible import desired, start
 from spacecraft_gnc.vehicles.formation.facts import facts
 from spacecraft_gnc.vehicles.formation.orbit import orbital_period
 
@@ -78,7 +78,7 @@ def warnings(**changes: Any) -> list[str]:
         (
             {"governor_phase": [16, 0, 16]},
             "reference_governor.phase",
-            "in which sc1 and sc3 have one place",
+            "in which sc1 and sc3 share a place",
         ),
         (
             {"governor_phase": [16, 50, 0]},
@@ -146,18 +146,12 @@ def test_positions_and_velocities_belong_together(changes: dict[str, Any], key: 
     assert "beside it; add it" in told
 
 
-def test_a_start_is_given_once() -> None:
+def test_positions_count_instead_of_places_on_ellipses() -> None:
     both = {"initial_position": STATES, "initial_velocity": [0.0] * 9}
-    told = problems(**both)
-    assert [line.partition(":")[0] for line in told] == [
-        "plant.initial_along_track_offset",
-        "plant.initial_amplitude",
-    ]
-    assert all("the start of each craft once" in line for line in told)
-    clean = {"initial_along_track_offset": None, "initial_amplitude": None}
-    plant = from_sections(sections(**clean, **both)).plant
+    plant = from_sections(sections(**both)).plant
     assert plant.initial_position.ravel().tolist() == STATES
-    (told_of,) = problems(**clean, **(both | {"initial_velocity": [0.0] * 6}))
+    np.testing.assert_array_equal(start(plant, 50)[:, :3], plant.initial_position)
+    (told_of,) = problems(**(both | {"initial_velocity": [0.0] * 6}))
     assert told_of.startswith("plant.initial_velocity: received 6 numbers")
     assert "9, 3 for each of 3 craft" in told_of
 
@@ -241,7 +235,7 @@ def test_the_facts_of_the_start_of_the_report() -> None:
     assert told.body == "3 spacecraft: sc1, sc2, sc3"
     rows = dict(told.rows)
     assert "50 control steps" in rows["orbit"]
-    assert "2 x 4 km" in rows["formation"]
+    assert "1 km radial, 2 km along the track" in rows["formation"]
 
 
 def test_a_check_loads_no_kernels() -> None:

@@ -125,7 +125,7 @@ def refused(capsys, *overrides):
     [
         (["plant.max_delta_v=0.0"], "plant.max_delta_v: received 0.0"),
         (["plant.spacecraft=[sc1]"], "two spacecraft or more"),
-        (["reference_governor.phase=[16, 0, 66]"], "sc1 and sc3 have one place"),
+        (["reference_governor.phase=[16, 0, 66]"], "sc1 and sc3 share a place"),
         (["plant.time_step=100.0"], "use 99.85976280263239 (55 control steps)"),
         (["plant.radial_semi_axis=500.0"], "sc1 and sc2 come as near as 849.307 m"),
     ],

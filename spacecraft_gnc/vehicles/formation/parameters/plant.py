@@ -70,7 +70,7 @@ class OrbitParameters(PlantHost):
         1000.0,
         "semi-axis in x of the natural ellipse on which the craft form up; in y it is twice that",
         unit="m",
-        above=0.0,
+        minimum=1.0,
         maximum=1.0e6,
     )
     max_delta_v: float = parameter(
@@ -93,7 +93,7 @@ class OrbitParameters(PlantHost):
         1000.0,
         "least distance between two craft",
         unit="m",
-        above=0.0,
+        minimum=1e-3,
         maximum=1.0e6,
     )
     max_communication_angle_deg: float = parameter(
@@ -143,8 +143,8 @@ class StartParameters(OrbitParameters):
     initial_position: Array = parameter(
         Kind.DOUBLE_ARRAY,
         [],
-        "positions at the start, craft by craft, instead of phases, offsets and amplitudes; "
-        "empty: by these",
+        "positions at the start, craft by craft, which count instead of phases, offsets and "
+        "amplitudes; empty: by these",
         unit="m",
         shape=(-1, 3),
         may_be_empty=True,
@@ -167,7 +167,8 @@ class StartParameters(OrbitParameters):
     spacecraft_lost_at: float = parameter(
         Kind.DOUBLE,
         0.0,
-        "time from which on that craft is lost",
+        "time from which on that craft is lost: it takes effect at the first control step that "
+        "does not start before it",
         unit="s",
         minimum=0.0,
         maximum=LONGEST,
