@@ -38,14 +38,14 @@ def namespace_topics(
 ) -> dict[str, str]:
     """Return the full name of each topic of one spacecraft by its name in the namespace.
 
-    ``leads``: as of `flight_namespace`; those that nobody recorded do not count.
+    ``leads``: as of `flight_namespace`; those that were not recorded with their step do not count.
 
     Raises
     ------
     RecordingError
         If the bag holds no spacecraft, or several.
     """
-    names = {topic.rpartition("/")[2] for topic in bag.topics}
+    names = {topic.rpartition("/")[2] for topic in bag.topics if bag.is_stepped(topic)}
     prefix = f"{flight_namespace(bag, namespace, [s for s in leads if s.name in names])}/"
     return {name.removeprefix(prefix): name for name in bag.topics if name.startswith(prefix)}
 

@@ -14,6 +14,8 @@ from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.scenario import load_fleet
 from spacecraft_gnc.scenario.fingerprint import differences
 
+pytestmark = pytest.mark.long
+
 FLY = {
     "docking": docking_bags.fly,
     "formation": formation_bags.fly,

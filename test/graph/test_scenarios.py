@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from graph.comparison import CASE1, assert_equals_simulation
 
-pytestmark = pytest.mark.graph
+pytestmark = [pytest.mark.graph, pytest.mark.long]
 
 COMPOSED = "launcher.composed=true"
 SHIPPED = sorted(CASE1.parent.glob("*.yaml"))

@@ -15,6 +15,8 @@ from rescaled import rescaled
 
 from spacecraft_gnc.scenario import load, load_fleet
 
+pytestmark = pytest.mark.long
+
 CONFIG = Path(__file__).parents[2] / "config"
 
 

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from pinned import flights, store
 
+pytestmark = pytest.mark.long
+
 
 def test_each_shipped_scenario_is_pinned() -> None:
     assert store.names() == flights.SHIPPED, "run tools/pin.py NAME for a new scenario"

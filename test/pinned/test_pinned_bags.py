@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from pinned import flights, store
 
-pytestmark = pytest.mark.graph
+pytestmark = [pytest.mark.graph, pytest.mark.long]
 
 SOME = ["gupta2015_case1", "governed_nmpc", "kalabic2014_nmpc", "sun_moon"]
 

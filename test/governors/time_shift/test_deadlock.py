@@ -12,6 +12,8 @@ import pytest
 from spacecraft_gnc.governors.time_shift import Answer, Constraint, TimeShiftGovernor, fly
 from spacecraft_gnc.plant.random_numbers import uniforms
 
+pytestmark = pytest.mark.long
+
 DATA = Path(__file__).parents[2] / "data" / "formation_deadlocks.json"
 STARTS = json.loads(DATA.read_text(encoding="utf-8"))["starts"]
 

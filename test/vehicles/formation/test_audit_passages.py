@@ -19,6 +19,8 @@ from spacecraft_gnc.signals.message import period_ns
 from spacecraft_gnc.vehicles.formation.decision import Answer
 from spacecraft_gnc.vehicles.formation.signals import GOVERNOR_STATUS, REFERENCE
 
+pytestmark = pytest.mark.long
+
 _PASSAGE = "passage: begins at a deadlock, nearer with each formation"
 _GOES_ON = "passage: goes on until the formation is attained"
 _NEAREST = "passage: no admissible candidate is nearer, or costs less"
