@@ -201,7 +201,10 @@ def test_a_check_refuses_a_broken_vehicle(name: str, capsys: pytest.CaptureFixtu
 @pytest.mark.usefixtures("plugins")
 def test_a_check_refuses_an_unknown_vehicle(capsys: pytest.CaptureFixture[str]) -> None:
     line = refused(capsys, "plant.vehicle=rigid_bod")
-    assert "plant.vehicle: received 'rigid_bod'; required one of docking, formation, rigid_body" in line
+    assert (
+        "plant.vehicle: received 'rigid_bod'; required one of docking, formation, rigid_body"
+        in line
+    )
     assert line.endswith("did you mean 'rigid_body'?")
 
 
