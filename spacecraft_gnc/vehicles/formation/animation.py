@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from spacecraft_gnc.drawing import axes as parts
 from spacecraft_gnc.drawing import style
 from spacecraft_gnc.drawing.chart import held
-from spacecraft_gnc.drawing.moving import drawn_over, frame_times, require_few, write_gif
+from spacecraft_gnc.drawing.moving import frame_times, require_few, write_gif
+from spacecraft_gnc.drawing.side_by_side import SIZE, Curve, SideBySide
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.formation import flown as series
 from spacecraft_gnc.vehicles.formation.events import events, standing, standing_name
@@ -28,8 +27,6 @@ from spacecraft_gnc.vehicles.formation.summary import length
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_SIZE: Final = (8.0, 6.4)  # [inch]
-_DPI: Final = 100  # 800 pixels wide
 _SPACES: Final = {"left": 0.06, "right": 0.985, "bottom": 0.46, "top": 0.9, "wspace": 0.12}
 _CURVES: Final = {"left": 0.06, "right": 0.985, "bottom": 0.08, "top": 0.29, "wspace": 0.16}
 _TO_COME: Final = 0.22  # opacity of what has not been flown yet
@@ -37,7 +34,6 @@ _TRAIL: Final = 25  # states before the one that is shown: half an orbit where i
 _ROOM: Final = 1.1
 _LEAST: Final = 1.35  # semi-axes of the ellipse that are always seen
 _WORDS: Final[dict[str, Any]] = {"ha": "center", "va": "center", "fontsize": 9.0}
-_Curve = tuple[Array, Array, dict[str, Any]]
 
 
 def save_animation(runs: Sequence[Flown], path: Path, *, title: str = "") -> None:
@@ -55,7 +51,7 @@ def save_animation(runs: Sequence[Flown], path: Path, *, title: str = "") -> Non
         write_gif(Scene(runs, title).frame, frame_times(runs), path)
 
 
-class Scene:
+class Scene(SideBySide[Flown]):
     """The picture of several flights side by side, at any time.
 
     Parameters
@@ -67,11 +63,7 @@ class Scene:
     """
 
     def __init__(self, runs: Sequence[Flown], title: str = "") -> None:
-        self._runs = runs
-        self._figure = Figure(_SIZE, dpi=_DPI)
-        self._canvas = FigureCanvasAgg(self._figure)
-        self._write(0.02, title, ha="left", fontweight="bold")
-        self._spaces = self._row(len(runs), **_SPACES)
+        super().__init__(runs, title, **_SPACES)
         seen = reach(runs)
         for i, (run, axes) in enumerate(zip(runs, self._spaces, strict=True)):
             _frame(axes, seen)
@@ -80,31 +72,15 @@ class Scene:
                 axes.set_title(run.name, color=color, fontsize=10.0, loc="center")
         self._spaces[0].set_ylabel("x radial [km]", labelpad=1.0)
         self._curves = self._diagrams()
-        self._canvas.draw()  # type: ignore[no-untyped-call]
-        self._still = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[no-untyped-call]
+        self.keep()
 
-    def frame(self, time: float) -> Array:
-        """Return the picture (height, width, 3) at a time [s], 8 bits a color."""
-        self._canvas.restore_region(self._still)  # type: ignore[no-untyped-call]
-        for axes, run in zip(self._spaces, self._runs, strict=True):
-            row = _row_at(run.times, time)
-            with drawn_over(axes):
-                _draw_links(axes, run, row)
-                draw_paths(axes, run, row, max(row - _TRAIL, 0))
-                _tell(axes, run, row)
-        for axes, curves in self._curves:
-            with drawn_over(axes):
-                for times, values, line in curves:
-                    row = _row_at(times, time)
-                    axes.plot(times[: row + 1], values[: row + 1], **line)
-                    axes.plot(times[row], values[row], "o", markersize=4.0, color=line["color"])
-        clock = self._write(0.98, f"t = {time:.0f} s", ha="right")
-        self._figure.draw_artist(clock)
-        clock.remove()
-        picture = np.array(self._canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-        return np.asarray(picture[:, :, :3])
+    def draw(self, axes: Axes, run: Flown, row: int) -> None:
+        """Draw the craft with their trails, and how it stands."""
+        _draw_links(axes, run, row)
+        draw_paths(axes, run, row, max(row - _TRAIL, 0))
+        _tell(axes, run, row)
 
-    def _diagrams(self) -> list[tuple[Axes, list[_Curve]]]:
+    def _diagrams(self) -> list[tuple[Axes, list[Curve]]]:
         """Return the diagrams of all runs with their curves, drawn faintly."""
         apart, spent = self._row(2, **_CURVES)
         separations = _curves(self._runs, series.pair_color, _separations)
@@ -128,14 +104,6 @@ class Scene:
     def _is_compared(self) -> bool:
         return len(self._runs) > 1
 
-    def _row(self, count: int, **place: float) -> list[Axes]:
-        """Return axes side by side."""
-        grid = self._figure.add_gridspec(1, count, **place)
-        return [self._figure.add_subplot(grid[0, i]) for i in range(count)]
-
-    def _write(self, x: float, text: str, **options: Any) -> Any:
-        return self._figure.text(x, 0.965, text, va="center", fontsize=11.0, **options)
-
 
 def reach(runs: Sequence[Flown]) -> tuple[Array, Array]:
     """Return the least and the greatest position (3,) that has to be seen [km].
@@ -154,7 +122,7 @@ def reach(runs: Sequence[Flown]) -> tuple[Array, Array]:
 def _frame(axes: Axes, seen: tuple[Array, Array]) -> None:
     """Set the range of the picture to what has to be seen, with one scale along both axes."""
     low, high = seen
-    box, (width, height) = axes.get_position(), _SIZE
+    box, (width, height) = axes.get_position(), SIZE
     shape = box.width * width / (box.height * height)
     middle, half = 0.5 * (low + high), 0.5 * _ROOM * (high - low)
     across = max(half[ALONG], shape * half[RADIAL])
@@ -183,7 +151,7 @@ def _delta_v(run: Flown) -> Array:
     return series.delta_v(run.trajectory)
 
 
-def _curves(runs: Sequence[Flown], color: Any, values: Any) -> list[_Curve]:
+def _curves(runs: Sequence[Flown], color: Any, values: Any) -> list[Curve]:
     """Return a curve of each column of one run, or of the worst one of each of several."""
     line = {"drawstyle": "steps-post"} if values is _delta_v else {}
     if len(runs) == 1:
@@ -196,12 +164,7 @@ def _curves(runs: Sequence[Flown], color: Any, values: Any) -> list[_Curve]:
     ]
 
 
-def _row_at(times: Array, time: float) -> int:
-    """Return the row of the last state at a time [s]."""
-    return max(int(np.searchsorted(times, time + 1e-9, side="right")) - 1, 0)
-
-
-def _still(axes: Axes, curves: Sequence[_Curve], title: str) -> None:
+def _still(axes: Axes, curves: Sequence[Curve], title: str) -> None:
     """Draw what is to come faintly, with the frame of the diagram."""
     for times, values, line in curves:
         axes.plot(times, values, alpha=_TO_COME, **line)
