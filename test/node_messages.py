@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Final
 
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.vehicles.rigid_body.signals import STATE, TORQUE, StateAndRate
+
+PERIOD_NS: Final = 400_000_000
+"""Control period of Case I [ns]."""
+
+
+def tell(node, topic, data) -> None:
+    """Hand a message to what a node has subscribed to a topic, guard and all."""
+    (end,) = (one for one in node.subscriptions if one.topic_name == f"/{topic}")
+    end.callback(data)
 
 
 def encode_state(stamp, state, rate) -> bytes:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from typing import Any
+from typing import Any, NamedTuple
 
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
@@ -16,19 +17,33 @@ from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
+from spacecraft_gnc.nodes._clock import SimulatedClock
 from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
 from spacecraft_gnc.nodes._readiness import Readiness
 from spacecraft_gnc.ros.endpoints import message_type
 from spacecraft_gnc.ros.qos import ros_qos
-from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals import Refused, Signal
+from spacecraft_gnc.signals.guard import Guard, Window
 from spacecraft_gnc.signals.members import Members, Place
+from spacecraft_gnc.signals.message import Stamp
 from spacecraft_gnc.signals.qos import QosProfile
+from spacecraft_gnc.signals.seal import key_in, sealer
 
 _ACKNOWLEDGED_WITHIN = 1.0  # [s] wall time granted to slow readers
 
 
+class Outlet(NamedTuple):
+    """A topic that a node publishes on."""
+
+    publish: Callable[[bytes], None]
+    """Sends a serialized message, sealed."""
+    publisher: Publisher
+
+
 class NodeWithEnds(LifecycleNode):
     """A lifecycle node whose endpoints are those of signals.
+
+    What it publishes it seals, and what it hears passes a guard, if a launcher gave it a key.
 
     Parameters
     ----------
@@ -42,17 +57,30 @@ class NodeWithEnds(LifecycleNode):
     """Nodes of the graph."""
     place: Place
     """Where this one stands in it."""
+    window: Window
+    """Simulated time of the flight."""
 
     def __init__(self, name: str, namespace: str | None) -> None:
         simulated = [Parameter("use_sim_time", value=True)]
         super().__init__(name, namespace=namespace, parameter_overrides=simulated)
         self.steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self.key = key_in(os.environ)
+        """Of the flight; empty: no launcher gave one, and nothing is sealed."""
+        self._simulated = SimulatedClock(self)
         self._resources = ExitStack()
         self._open_publishers: list[Publisher] = []
         self._readiness: Readiness | None = None
 
     def on_match(self) -> None:
         """Notice that an endpoint was matched."""
+
+    def refuse(self, topic: object, reason: str, kind: str) -> None:
+        """Notice that a message was rejected."""
+
+    def keep_time(self, stamp: Stamp, step: int) -> None:
+        """Take simulated time from a state; after the last one there is no step to make."""
+        if step < self.window.n_steps:
+            self._simulated.set(stamp)
 
     def expect_peers(self) -> None:
         """Wait for the counterparts of the endpoints that are opened from here on."""
@@ -62,15 +90,16 @@ class NodeWithEnds(LifecycleNode):
         """Topics that still lack a counterpart."""
         return () if self._readiness is None else self._readiness.missing()
 
-    def advertise(self, signal: Signal, space: str | None = None) -> Publisher:
+    def advertise(self, signal: Signal, space: str | None = None) -> Outlet:
         """Publish a signal, where this node stands or in the namespace of another agent or craft.
 
         The endpoint lives until clean-up.
         """
         place = self.place if space is None else self.place.of_space(space)
+        topic = place.topic(signal)
         publisher = self.create_publisher(
             message_type(signal.type),
-            place.topic(signal),
+            topic,
             ros_qos(signal.qos),
             event_callbacks=PublisherEventCallbacks(matched=self._on_match),
         )
@@ -78,7 +107,10 @@ class NodeWithEnds(LifecycleNode):
         self._open_publishers.append(publisher)
         count = self.members.subscribers(signal, place.space(signal))
         self._expect(place, signal, count, publisher.get_subscription_count)
-        return publisher
+        if not (self.key and signal.sealed):
+            return Outlet(publisher.publish, publisher)
+        seal = sealer(self.key, topic, self.get_fully_qualified_name())
+        return Outlet(lambda data: publisher.publish(seal(data)), publisher)
 
     def listen(
         self,
@@ -88,22 +120,27 @@ class NodeWithEnds(LifecycleNode):
         *,
         qos: QosProfile | None = None,
         watch: SequenceWatch | None = None,
-    ) -> Subscription:
+    ) -> Guard:
         """Receive the serialized messages of a signal: ``callback(data)``; where, as `advertise`.
 
-        With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``.
+        With a ``watch`` for losses the callback gets the info too: ``callback(data, info)``. What
+        the guard does not open, or the callback refuses by `Refused`, is counted and reported.
         """
         place = self.place if space is None else self.place.of_space(space)
-        subscription = self.subscribe(
-            place.topic(signal),
-            message_type(signal.type),
-            ros_qos(qos or signal.qos),
-            callback,
-            watch,
-        )
+        topic, name = place.topic(signal), place.within_graph(signal)
+        guard = Guard(signal, topic, self.key, self.window)
+
+        def on_message(data: bytes, *info: Any) -> None:
+            try:
+                callback(guard.open(data), *info)
+            except Refused as refusal:
+                self.refuse(name, str(refusal), refusal.kind)
+
+        kind, profile = message_type(signal.type), ros_qos(qos or signal.qos)
+        subscription = self.subscribe(topic, kind, profile, on_message, watch)
         count = self.members.publishers(signal, place.space(signal))
         self._expect(place, signal, count, subscription.get_publisher_count)
-        return subscription
+        return guard
 
     def subscribe(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 import traceback
+from collections import Counter
 from collections.abc import Callable
 from typing import Any, ClassVar
 
@@ -17,7 +18,8 @@ from spacecraft_gnc.ros.graph_of import members_of
 from spacecraft_gnc.ros.parameters import agent_of_namespace, load_graph
 from spacecraft_gnc.scenario import Fleet, Scenario
 from spacecraft_gnc.signals.graph import DIAGNOSTICS, READY, RECORDER
-from spacecraft_gnc.signals.message import Stamp
+from spacecraft_gnc.signals.guard import Window
+from spacecraft_gnc.signals.message import Stamp, period_ns
 
 _REPORT_PERIOD = 1.0  # [s] wall time between two reports of refused messages
 _AT_ONCE = Duration()
@@ -48,8 +50,8 @@ class GncNode(NodeWithEnds):
         """Why the last transition was refused, or why the node cannot go on."""
         self.runner_reports = False
         """Whether the runner prints why a transition failed, so that the log need not."""
-        self.refused = 0
-        """Messages that were rejected since the node was configured."""
+        self.refusals: Counter[str] = Counter()
+        """Messages that were rejected since the node was configured, by topic and kind."""
         self._called = False
         self._asked = 0
         self._last_report = -_REPORT_PERIOD
@@ -89,7 +91,7 @@ class GncNode(NodeWithEnds):
         if step == 0 or not is_lockstep or RECORDER not in self.members.names:
             return False
         self._asked += 1
-        is_heard = self._called and self._ready.wait_for_all_acked(_AT_ONCE)
+        is_heard = self._called and self._ready.publisher.wait_for_all_acked(_AT_ONCE)
         return not is_heard and self._asked <= _MOST_REPEATS
 
     # Transitions.
@@ -128,12 +130,14 @@ class GncNode(NodeWithEnds):
     def _build_and_open(self) -> None:
         self.fleet = load_graph(self, self.ROLE)
         self.scenario = self.fleet.agents[agent_of_namespace(self.get_namespace(), self.fleet)]
-        self.refused = 0
+        self.refusals.clear()
+        self.window = Window(period_ns(self.scenario.period), self.scenario.n_steps)
         self.members = members_of(self.fleet)
         self.place = self.members.place(self.get_namespace(), self.ROLE)
         self.expect_peers()
         self.build(self.scenario)
         self._diagnostics = self.advertise(DIAGNOSTICS)
+        self.keep_time((0, 0), 0)
         self.open()
         if self.ROLE in READY.publishers:
             self._ready = self.advertise(READY)  # after all others: see `is_unheard`
@@ -153,8 +157,7 @@ class GncNode(NodeWithEnds):
         self.active = False
         self.stop()
         if self.refused:
-            text = f"{self.refused} messages rejected"
-            self.diagnose(DiagnosticStatus.WARN, text, {"rejected_messages": self.refused})
+            self._report_refusals(f"{self.refused} messages rejected")
 
     def _cleanup(self) -> None:
         if self.active:
@@ -194,15 +197,25 @@ class GncNode(NodeWithEnds):
 
     # Trouble.
 
-    def refuse(self, topic: object, reason: str) -> None:
-        """Count a rejected message; tell about it once per second at most."""
-        self.refused += 1
+    @property
+    def refused(self) -> int:
+        """Messages that were rejected since the node was configured."""
+        return sum(self.refusals.values())
+
+    def refuse(self, topic: object, reason: str, kind: str = "values") -> None:
+        """Count a rejected message or request; tell about it once per second at most."""
+        self.refusals[f"{topic}/{kind}"] += 1
         now = time.monotonic()
         if now - self._last_report >= _REPORT_PERIOD:
             self._last_report = now
             text = f"{topic}: {reason} (rejected so far: {self.refused})"
             self.get_logger().warning(text)
-            self.diagnose(DiagnosticStatus.WARN, text, {"rejected_messages": self.refused})
+            self._report_refusals(text)
+
+    def _report_refusals(self, text: str) -> None:
+        counts = {f"rejected {what}": count for what, count in sorted(self.refusals.items())}
+        values = {"rejected_messages": self.refused, **counts}
+        self.diagnose(DiagnosticStatus.WARN, text, values)
 
     def diagnose(
         self, level: bytes, text: str, values: dict[str, Any], stamp: Stamp | None = None

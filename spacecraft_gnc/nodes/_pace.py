@@ -111,7 +111,7 @@ class Lockstep:
 
     def recorded(self, step: int, now: float) -> None:
         """Take note that the recorder has come to ``step``."""
-        self._recorded = step
+        self._recorded = max(self._recorded, step)
         if self._is_complete and self._vehicles.step - step < self._window:
             self._advance(now)
 

@@ -15,7 +15,7 @@ from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._worker import Worker, pace_core
 from spacecraft_gnc.ros.graph_of import outputs_of, vehicle_signals
 from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.signals import Refused, Signal
+from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.graph import CONTROLLER, WALL_STATUS, WALL_STATUS_PERIOD
 from spacecraft_gnc.signals.members import Seams
 from spacecraft_gnc.signals.message import Stamp, period_ns
@@ -70,8 +70,8 @@ class ControllerNode(GncNode):
             if CONTROLLER in signal.publishers
         }
         self._publish_wall_status = self.advertise(WALL_STATUS).publish
-        self.listen(self._seams.state, self._on_state)
-        self.listen(self._seams.reference, self._on_reference)
+        self._states = self.listen(self._seams.state, self._on_state)
+        self._references = self.listen(self._seams.reference, self._on_reference)
         timer = self.create_timer(self._controller.period, self._on_tick)
         timer.timer_period_ns = self._period_ns
         self.own(timer)
@@ -118,15 +118,11 @@ class ControllerNode(GncNode):
         if data == self._state_bytes:
             self._repeat()
             return
-        state = self._seams.state
-        try:
-            message = state.decode(data, self._step)
-            value = state.value(message)
-        except Refused as error:
-            self.refuse(state, str(error))
-            return
+        message = self._states.decode(data, self._step)
+        value = self._seams.state.value(message)
         joining = self._state is None
         self._stamp, self._step, self._state = message.stamp, message.step, value
+        self.keep_time(message.stamp, message.step)
         self._state_bytes = data
         self._arrival = time.perf_counter()
         self._unheard = joining and self.is_unheard(self._step)
@@ -135,14 +131,9 @@ class ControllerNode(GncNode):
     def _on_reference(self, data: bytes) -> None:
         if not self.active:
             return
-        reference = self._seams.reference
-        try:
-            message = reference.decode(data, self._reference_step)
-            value = reference.value(message)
-        except Refused as error:
-            self.refuse(reference, str(error))
-            return
-        self._reference_step, self._reference = message.step, value
+        message = self._references.decode(data, self._reference_step)
+        self._reference = self._seams.reference.value(message)
+        self._reference_step = message.step
         self._answer_if_due()
 
     def _on_tick(self) -> None:

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from typing import Any, ClassVar
 
-import numpy as np
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.launcher import domain
-from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.nodes._agent import Agent
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._pace import Applied, FreeRun, Lockstep
 from spacecraft_gnc.nodes._runner import run
-from spacecraft_gnc.ros.graph_of import vehicle_signals
 from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.signals import Refused, Signal
+from spacecraft_gnc.signals import Refused
 from spacecraft_gnc.signals.graph import (
     CLOCK,
     PLANT,
@@ -29,82 +27,12 @@ from spacecraft_gnc.signals.graph import (
     WALL_STATUS_PERIOD,
     WALL_TIMING,
 )
-from spacecraft_gnc.signals.members import Seams, role_of
-from spacecraft_gnc.signals.message import Stamp, period_ns, stamp_of
+from spacecraft_gnc.signals.members import role_of
+from spacecraft_gnc.signals.message import period_ns, stamp_of
 
 _TICK = 0.05  # [s] wall time between two looks at the clock in lockstep
+_DIGITS = 20  # of a step, fewer
 _WAITING_PERIOD = 5.0  # [s] wall time between two complaints before step 0
-
-
-class _Agent:
-    """One vehicle, and its ends in the graph.
-
-    Parameters
-    ----------
-    name
-        Its namespace in the graph.
-    scenario
-        What flies.
-    craft
-        Namespaces of its craft; empty: it is one.
-    """
-
-    def __init__(self, name: str, scenario: Scenario, craft: Sequence[str]) -> None:
-        self.name = name
-        self.craft = tuple(craft)
-        self.commanded = self.craft or (name,)
-        """Namespaces of which a command is awaited."""
-        self.signals = vehicle_signals(scenario.vehicle)
-        self.seams = Seams.among(self.signals)
-        self.core = scenario.build_plant()
-        self.core.warm_up()
-        self.publish: dict[Signal, Callable[[bytes], None]] = {}
-        self.reset()
-
-    def reset(self) -> None:
-        """Return to the initial state."""
-        self.core.reset()
-        idle = [Applied(self.idle(space), Source.ZERO) for space in self.commanded]
-        self.applied = self._together(idle)
-        self.last_commands = dict.fromkeys(self.commanded, b"")
-        self.state = b""
-
-    def idle(self, space: str) -> Any:
-        """Return the control without a command of the vehicle, or of one of its craft."""
-        idle = self.core.idle_control
-        return idle[self.craft.index(space)] if self.craft else idle
-
-    def step(self, applied: Mapping[str, Applied]) -> None:
-        """Fly one control period under what acts on each craft."""
-        self.applied = self._together([applied[space] for space in self.commanded])
-        self.core.step(self.applied.control)
-
-    def _together(self, applied: Sequence[Applied]) -> Applied:
-        """Return what acts on all craft as the plant takes it (`loop.protocols.Plant`)."""
-        if not self.craft:
-            return applied[0]
-        controls, sources = zip(*applied, strict=True)
-        return Applied(np.stack(controls), sources)
-
-    def open(self, node: GncNode) -> None:
-        """Advertise what the plant publishes of this vehicle."""
-        self.publish = {
-            signal: node.advertise(signal, self.name).publish
-            for signal in self.signals
-            if PLANT in signal.publishers
-        }
-
-    def tell(self, stamp: Stamp, step: int) -> None:
-        """Publish the current state and what is told beside it."""
-        for signal, value in self.core.outputs(self.applied):
-            data = signal.encode(stamp, step, value)
-            if signal is self.seams.state:
-                self.state = data
-            self.publish[signal](data)
-
-    def repeat(self) -> None:
-        """Publish the same state again."""
-        self.publish[self.seams.state](self.state)
 
 
 class PlantNode(GncNode):
@@ -120,7 +48,7 @@ class PlantNode(GncNode):
         for text in self.fleet.warnings:
             self.get_logger().warning(text)
         self._agents = {
-            name: _Agent(name, one, self.fleet.craft_of(name))
+            name: Agent(name, one, self.fleet.craft_of(name))
             for name, one in self.fleet.agents.items()
         }
         self._commanded = {
@@ -140,8 +68,10 @@ class PlantNode(GncNode):
         """Create the endpoints."""
         for agent in self._agents.values():
             agent.open(self)
-        for space, agent in self._commanded.items():
-            self.listen(agent.seams.control, partial(self._on_command, space), space)
+        self._admit = {
+            space: self.listen(agent.seams.control, partial(self._on_command, space), space)
+            for space, agent in self._commanded.items()
+        }
         self._publish_clock = self.advertise(CLOCK).publish
         self._publish_timing = self.advertise(WALL_TIMING).publish
         self.listen(READY, self._on_ready)
@@ -199,21 +129,25 @@ class PlantNode(GncNode):
         agent = self._commanded[space]
         if not self.active or data == agent.last_commands[space]:
             return  # a repeated answer to a repeated state
-        control = agent.seams.control
-        try:
-            message = control.decode(data)
-            applied = Applied(*control.value(message))
-            refusal = self._pace.command(space, message.step, applied, time.perf_counter())
-        except Refused as error:
-            refusal = str(error)
-        if refusal is None:
-            agent.last_commands[space] = data
-        else:
-            self.refuse(self.place.of_space(space).within_graph(control), refusal)
+        if self.finished:
+            raise Refused(f"a command after the last of {self.n_steps} steps", "step")
+        message = self._admit[space].decode(data)
+        applied = Applied(*agent.seams.control.value(message))
+        refusal = self._pace.command(space, message.step, applied, time.perf_counter())
+        if refusal is not None:
+            raise Refused(refusal, "step")
+        agent.last_commands[space] = data
 
     def _on_recorded(self, data: bytes) -> None:
         if self.active:
-            self._pace.recorded(RECORDED.read(data)["data"], time.perf_counter())
+            self._pace.recorded(self._step_in(RECORDED.read(data)["data"]), time.perf_counter())
+
+    def _step_in(self, text: str) -> int:
+        """Return the step that a recorder tells."""
+        step = int(text) if text.isdecimal() and len(text) < _DIGITS else -1
+        if not 0 <= step <= self.step:
+            raise Refused(f"{text[:_DIGITS]!r}; required a step of 0 to {self.step}", "step")
+        return step
 
     def _on_tick(self) -> None:
         if not self.active:
@@ -273,6 +207,7 @@ class PlantNode(GncNode):
 
     def _publish(self) -> None:
         stamp = stamp_of(self.step, self._period_ns)
+        self.keep_time(stamp, self.step)
         self._clock_bytes = CLOCK.encode(stamp, self.step, [stamp])
         for agent in self._agents.values():
             agent.tell(stamp, self.step)

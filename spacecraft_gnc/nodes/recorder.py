@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, ClassVar
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.nodes._bag_times import NOT_YET, BagTimes
 from spacecraft_gnc.nodes._foreign import ForeignTopics
 from spacecraft_gnc.nodes._losses import SequenceWatch
 from spacecraft_gnc.nodes._node import GncNode
@@ -30,7 +30,7 @@ from spacecraft_gnc.scenario.provenance import (
     run_record,
 )
 from spacecraft_gnc.scenario.recorded import DEFAULTS_ATTACHMENT, SCENARIO_ATTACHMENT
-from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals import Refused, Signal
 from spacecraft_gnc.signals.graph import (
     CLOCK,
     PLANT,
@@ -39,10 +39,11 @@ from spacecraft_gnc.signals.graph import (
     RECORDER,
     RECORDER_STRIDE,
 )
+from spacecraft_gnc.signals.guard import Guard
 from spacecraft_gnc.signals.members import Seams, is_recorded_of
+from spacecraft_gnc.signals.message import NS_PER_S
 from spacecraft_gnc.signals.qos import RECORD
 
-_NOT_YET = -1  # [ns] simulated time before the first state
 _SHOUT_PERIOD = 1.0  # [s] wall between two reports of lost messages
 
 Record = Callable[[bytes, Mapping[str, Any]], None]
@@ -57,9 +58,10 @@ class RecorderNode(GncNode):
     def build(self, scenario: Scenario) -> None:
         """Open the bag."""
         self._written = 0
-        self._now = _NOT_YET
+        self._times = BagTimes(self.window, is_sealed=bool(self.key))
         self._early: dict[str, tuple[Record, bytes, Mapping[str, Any]]] = {}
         self._watches: dict[str, SequenceWatch] = {}
+        self._admit: dict[str, Guard] = {}
         self._shouted = -_SHOUT_PERIOD
         parameters = scenario.recorder
         folder = parameters.storage_folder or time.strftime("bags/%Y-%m-%d-%H-%M-%S")
@@ -87,6 +89,10 @@ class RecorderNode(GncNode):
         for space, signal in signals_of(self.fleet):
             if is_recorded_of(signal, space, wanted):
                 self._record(space, signal)
+        if not is_recorded_of(self._leading[1], agent, wanted):
+            states = self.listen(
+                self._leading[1], lambda data: self._watch_time(states, data), agent
+            )
         self._foreign = ForeignTopics(self, foreign_topics(self.fleet), self._on_foreign)
         self.listen(READY, _acknowledge)
         self._publish_recorded = self.advertise(RECORDED).publish
@@ -94,8 +100,11 @@ class RecorderNode(GncNode):
 
     def start(self) -> None:
         """Record what is latched and came early."""
-        for record, data, info in self._early.values():
-            record(data, info)
+        for name, (record, data, info) in self._early.items():
+            try:
+                record(data, info)
+            except Refused as refusal:
+                self.refuse(name.strip("/"), str(refusal), refusal.kind)
         self._early.clear()
         self._foreign.look()
 
@@ -142,20 +151,25 @@ class RecorderNode(GncNode):
 
     def _record(self, space: str, signal: Signal) -> None:
         """Announce a signal of an agent or a craft, and write what comes."""
-        name = self.place.of_space(space).topic(signal)
+        place = self.place.of_space(space)
+        name = place.topic(signal)
         free_run = self.scenario.plant.mode == "free_run"
         # In free_run a late answer is no loss.
         gapless = signal.every_step and (not free_run or PLANT in signal.publishers)
         announce(self._bag, name, signal.type, [signal.qos], gapless=gapless)
-        record, watch = self._counted(name, self._writer_of_graph(space, signal, name))
+        write = self._writer_of_graph(space, signal, name)
+        is_one = self.members.publishers(signal, place.space(signal)) == 1
+        record, watch = self._counted(name, write, alone=bool(self.key) and is_one)
         qos = signal.qos if signal.is_latched else RECORD
-        self.listen(signal, record, space, qos=qos, watch=watch)
+        self._admit[name] = self.listen(signal, record, space, qos=qos, watch=watch)
 
     # The hot path: once for every message.
 
-    def _counted(self, name: str, write: Record) -> tuple[Record, SequenceWatch]:
+    def _counted(
+        self, name: str, write: Record, *, alone: bool = False
+    ) -> tuple[Record, SequenceWatch]:
         """Return a callback that counts what is lost on the way, and its watch."""
-        self._watches[name] = watch = SequenceWatch()
+        self._watches[name] = watch = SequenceWatch(alone=alone)
         see = watch.see
 
         def record(data: bytes, info: Mapping[str, Any]) -> None:
@@ -165,32 +179,30 @@ class RecorderNode(GncNode):
                 write(data, info)
             except RecordingError as error:
                 self.fail(error)
-            except struct.error:
-                self.refuse(name.strip("/"), f"{len(data)} bytes without a time stamp")
 
         return record, watch
 
     def _writer_of_graph(self, space: str, signal: Signal, name: str) -> Record:
         """Return what writes a topic of the graph, whose times are simulated."""
-        write, is_stamped, is_latched = self._bag.write, signal.is_stamped, signal.is_latched
+        write, is_latched = self._bag.write, signal.is_latched
         leads = (space, signal) == self._leading
-        last = b""
+        last, latest = b"", NOT_YET
+        times, guards = self._times, self._admit
 
         def record(data: bytes, info: Mapping[str, Any]) -> None:
-            nonlocal last
+            nonlocal last, latest
             if data == last:
                 return  # a repeat after a stall
             if not self.active:
                 if is_latched:
                     self._early[name] = (record, data, info)
                 return
-            last = data
-            stamp = time_in(data) if is_stamped else max(self._now, 0)
+            stamp = times.of(guards[name], data, latest)
+            last, latest = data, stamp
             write(name, stamp, stamp, data)
             self._written += 1
             if leads:
-                self._tell_progress(data, first=self._now < 0)
-                self._now = stamp
+                self._keep_time(data)
 
         return record
 
@@ -224,10 +236,19 @@ class RecorderNode(GncNode):
 
         return record
 
-    def _tell_progress(self, state: bytes, *, first: bool) -> None:
-        step = step_of(state)
-        if step is not None and (first or step % RECORDER_STRIDE == 0):
-            self._publish_recorded(RECORDED.encode((0, 0), 0, [step]))
+    def _watch_time(self, states: Guard, data: bytes) -> None:
+        """Take the time from a state that is not recorded."""
+        if self.active:
+            states.decode(data)
+            self._keep_time(data)
+
+    def _keep_time(self, state: bytes) -> None:
+        """Take the time from a state of the leading agent, and tell the plant how far we are."""
+        stamp, step = time_in(state), step_of(state)
+        if self._times.now < 0 or (step is not None and step % RECORDER_STRIDE == 0):
+            self._publish_recorded(RECORDED.encode((0, 0), 0, [str(step)]))
+        self._times.now = stamp
+        self.keep_time(divmod(stamp, NS_PER_S), step or 0)
 
     # Beside it.
 

@@ -18,7 +18,7 @@ from spacecraft_gnc.nodes._slew_server import Answer, SlewServer
 from spacecraft_gnc.nodes._worker import Worker, pace_core
 from spacecraft_gnc.ros.graph_of import outputs_of, vehicle_signals
 from spacecraft_gnc.scenario import Scenario
-from spacecraft_gnc.signals import Message, Refused, Signal
+from spacecraft_gnc.signals import Message, Signal
 from spacecraft_gnc.signals.attitude import REFERENCE
 from spacecraft_gnc.signals.graph import GOVERNOR
 from spacecraft_gnc.signals.members import Seams
@@ -90,9 +90,9 @@ class GovernorNode(GncNode):
             for signal in self._signals
             if GOVERNOR in signal.publishers
         }
-        self.listen(self._seams.state, self._on_state)
+        self._states = self.listen(self._seams.state, self._on_state)
         if self._seams.target is not None:
-            self.listen(self._seams.target, self._on_target)
+            self._targets = self.listen(self._seams.target, self._on_target)
         self._slews = None
         if self._steers_attitude:
             self._slews = SlewServer(self, self._set_target, *self._tolerances)
@@ -137,14 +137,11 @@ class GovernorNode(GncNode):
         if data == self._state_bytes:
             self._repeat()
             return
-        joining, state = self._received_step == _NEVER, self._seams.state
-        try:
-            message = state.decode(data, self._received_step)
-            received = _Received(message, state.value(message))
-        except Refused as error:
-            self.refuse(state, str(error))
-            return
+        joining = self._received_step == _NEVER
+        message = self._states.decode(data, self._received_step)
+        received = _Received(message, self._seams.state.value(message))
         self._received_step = message.step
+        self.keep_time(message.stamp, message.step)
         self._state_bytes, self._reference_bytes = data, b""
         self._waiting = received
         self._unheard = joining and self.is_unheard(self._received_step)
@@ -160,13 +157,7 @@ class GovernorNode(GncNode):
     def _on_target(self, data: bytes) -> None:
         if not self.active:
             return
-        target = self._seams.target
-        assert target is not None  # noqa: S101 - else nothing is listened to
-        try:
-            wanted = target.value(target.decode(data))
-        except Refused as error:
-            self.refuse(target, str(error))
-            return
+        wanted = self._targets.signal.value(self._targets.decode(data))
         if self._steers_attitude:
             wanted = wanted.attitude
         self._set_target(wanted, self._on_target_answered)

@@ -166,7 +166,7 @@ class Codec:
             reason = "they do not begin as CDR"
         except (struct.error, ValueError, OverflowError, MemoryError) as error:
             reason = str(error)
-        raise Refused(f"{len(data)} bytes that are no {self._name} ({reason})")
+        raise Refused(f"{len(data)} bytes that are no {self._name} ({reason})", "layout")
 
     def _read_lengths(self, data: bytes, order: str) -> Iterator[int]:
         """Yield the lengths that a message states for its strings and sequences."""

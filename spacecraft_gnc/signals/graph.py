@@ -24,11 +24,12 @@ CLOCK: Final = Signal(
     fields={"clock": Field(TIME)},
     start=(),
     publishers=(PLANT,),
-    subscribers=ROLES,
     shared=True,
+    sealed=False,
     rank=TICK,
 )
-"""Every node follows it by rclpy's own subscription; the recorder also records it."""
+"""For whoever follows simulated time. The nodes of the graph take it from the stamps of states,
+which are sealed: a message of fixed size, as this is, has no room for a seal."""
 WALL_TIMING: Final = Signal(
     name="wall_timing",
     type="spacecraft_gnc_msgs/msg/WallTiming",
@@ -83,8 +84,8 @@ The plant begins when all are ready. The recorder's acknowledgment tells a resta
 heard."""
 RECORDED: Final = Signal(
     name="recorded_step",
-    type="std_msgs/msg/UInt64",
-    fields={"data": Field("uint64")},
+    type="std_msgs/msg/String",
+    fields={"data": Field("string")},
     start=(),
     publishers=(RECORDER,),
     subscribers=(PLANT,),
@@ -92,7 +93,7 @@ RECORDED: Final = Signal(
     shared=True,
     qos=COMMAND,
 )
-"""How far the recorder has come, so that a fast plant can wait for it."""
+"""How far the recorder has come, so that a fast plant can wait for it; decimal."""
 SIGNALS: Final = (CLOCK, WALL_TIMING, DIAGNOSTICS, WALL_STATUS, READY, RECORDED)
 
 RECORDER_WINDOW: Final = 500

@@ -9,23 +9,35 @@ import numpy as np
 
 from spacecraft_gnc.types import Array
 
-_NS_PER_S = 1_000_000_000
+NS_PER_S = 1_000_000_000
 Stamp = tuple[int, int]
 """Seconds and nanoseconds."""
 
 
 def period_ns(period: float) -> int:
     """Return a control period [s] in whole nanoseconds: simulated time never rounds again."""
-    return round(period * _NS_PER_S)
+    return round(period * NS_PER_S)
 
 
 def stamp_of(step: int, period_in_ns: int) -> Stamp:
     """Return the simulated time t_k of a control step."""
-    return divmod(step * period_in_ns, _NS_PER_S)
+    return divmod(step * period_in_ns, NS_PER_S)
 
 
 class Refused(Exception):
-    """A message that must not reach a core, and why."""
+    """A message that must not reach a core.
+
+    Parameters
+    ----------
+    reason
+        Why, for people.
+    kind
+        Why, to be counted: ``seal``, ``layout``, ``step``, ``time`` or ``values``.
+    """
+
+    def __init__(self, reason: str | None, kind: str = "values") -> None:
+        super().__init__(reason)
+        self.kind = kind
 
 
 class Message:

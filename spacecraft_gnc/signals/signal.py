@@ -68,6 +68,8 @@ class Signal:
         Whether a recorder takes it unless asked otherwise.
     shared
         Whether it belongs to the graph and not to one of its agents.
+    sealed
+        Whether its publishers seal it (`seal`).
     of_craft
         Whether each craft of the vehicle has its own, in the craft's namespace; where the vehicle
         is one craft, that is the agent's.
@@ -92,6 +94,7 @@ class Signal:
     unique: bool = False
     recorded: bool = True
     shared: bool = False
+    sealed: bool = True
     of_craft: bool = False
     qos: QosProfile = STREAM
     rank: int = LAST
@@ -122,6 +125,11 @@ class Signal:
         """Whether its messages begin with a time."""
         first = next(iter(self.kinds.values()))
         return first in (HEADER, TIME)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether messages are read and checked here: they nest no strings."""
+        return self._codec is not None
 
     @property
     def is_latched(self) -> bool:
@@ -166,7 +174,7 @@ class Signal:
             If the bytes are none of this signal.
         """
         if self._codec is None:
-            raise Refused(f"{self.name}: messages of {self.type} are not read here")
+            raise Refused(f"{self.name}: messages of {self.type} are not read here", "layout")
         return self._codec.decode(data)
 
     def decode(self, data: bytes, last_step: int = 0) -> Message:
@@ -180,7 +188,7 @@ class Signal:
         message = self.read(data)
         slots, places = message.slots, message.places
         if self.is_stepped and slots[places["step"]] < last_step:
-            raise Refused(reject_step(message.step, last_step))
+            raise Refused(reject_step(message.step, last_step), "step")
         for name, check, when in self._checks:
             if when is None or message[when[0]] == when[1]:
                 reason = check(name, slots[places[name]])

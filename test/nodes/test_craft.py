@@ -12,8 +12,8 @@ from nodes.test_parameter_files import ask
 from two_craft import announce
 
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.nodes._agent import Agent
 from spacecraft_gnc.nodes._pace import Applied, FreeRun, Lockstep
-from spacecraft_gnc.nodes.plant import _Agent
 from spacecraft_gnc.scenario import from_sections, load
 from spacecraft_gnc.scenario.shipped import find
 
@@ -50,7 +50,7 @@ print(json.dumps(told))
 class Vehicles:
     """A vehicle of two craft as a pace drives it."""
 
-    def __init__(self, agent: _Agent) -> None:
+    def __init__(self, agent: Agent) -> None:
         self.agent, self.step, self.finished = agent, 0, False
         self.events: list[str] = []
 
@@ -75,7 +75,7 @@ class Vehicles:
 def vehicles(monkeypatch: pytest.MonkeyPatch) -> Vehicles:
     announce(monkeypatch)
     scenario = from_sections({"plant": {"vehicle": "pair"}, "nmpc_controller": {"gain": 0.5}})
-    return Vehicles(_Agent("", scenario, ("port", "starboard")))
+    return Vehicles(Agent("", scenario, ("port", "starboard")))
 
 
 def push(value: float) -> Applied:

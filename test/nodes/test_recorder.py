@@ -10,14 +10,16 @@ from typing import Any
 
 import pytest
 import yaml
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
+from node_messages import PERIOD_NS
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from rosbags.highlevel import AnyReader
 from spacecraft_gnc_msgs.msg import AttitudeReference
-from std_msgs.msg import String
+from std_msgs.msg import Header, String
 
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.nodes.recorder import RecorderNode
@@ -26,6 +28,7 @@ from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.signals import graph
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, TARGET
 from spacecraft_gnc.signals.members import foreign
+from spacecraft_gnc.signals.message import stamp_of
 from spacecraft_gnc.signals.qos import RECORD
 from spacecraft_gnc.vehicles.rigid_body.signals import SIGNALS, STATE
 
@@ -228,8 +231,10 @@ def test_a_target_now_and_then_is_no_loss(ros: Any, recorder: Any, sender: Node)
         for topic in (TARGET, ACCEPTED_TARGET)
     ]
     for step in (40, 90):
+        seconds, nanoseconds = stamp_of(step, PERIOD_NS)
+        header = Header(stamp=Time(sec=seconds, nanosec=nanoseconds))
         for topic in topics:
-            topic.publish(AttitudeReference(step=step))
+            topic.publish(AttitudeReference(header=header, step=step))
     bag = closed(ros, node, 4)
     with open_bag(bag) as found:
         losses = found.metadata()["losses"]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from node_messages import encode_reference, encode_state
+from node_messages import PERIOD_NS, encode_reference, encode_state, tell
 from rclpy.duration import Duration
 from rclpy.serialization import serialize_message
 from spacecraft_gnc_msgs.msg import AttitudeReference, AttitudeState, TorqueCommand
@@ -20,6 +20,7 @@ from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
 from spacecraft_gnc.nodes.plant import PlantNode
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
 from spacecraft_gnc.signals.attitude import REFERENCE
+from spacecraft_gnc.signals.message import stamp_of
 from spacecraft_gnc.vehicles.rigid_body.signals import TORQUE
 
 ZERO = np.zeros(3)
@@ -35,11 +36,11 @@ def started(node: GncNode) -> Any:
 
 
 def state(step: int, attitude: np.ndarray = IDENTITY, momentum: np.ndarray = ZERO) -> bytes:
-    return encode_state((step, 0), State(step, attitude, momentum), ZERO)
+    return encode_state(stamp_of(step, PERIOD_NS), State(step, attitude, momentum), ZERO)
 
 
 def reference(step: int, attitude: np.ndarray = IDENTITY) -> bytes:
-    return encode_reference((step, 0), step, Reference(attitude, ZERO, ZERO))
+    return encode_reference(stamp_of(step, PERIOD_NS), step, Reference(attitude, ZERO, ZERO))
 
 
 def with_nan(data: bytes, message_type: type, field: str) -> bytes:
@@ -71,13 +72,13 @@ def test_controller_and_governor_refuse_bad_states(ros: Any, bad: str) -> None:
     controller = started(ros.add(ControllerNode()))
     governor = started(ros.add(GovernorNode()))
     for node in (controller, governor):
-        node._on_state(state(2))
-        node._on_state(state(2))  # one that joins in mid-flight answers the repeat
-        node._on_state(BAD_STATES[bad]())
+        tell(node, "attitude_state", state(2))
+        tell(node, "attitude_state", state(2))  # one that joins in mid-flight answers the repeat
+        tell(node, "attitude_state", BAD_STATES[bad]())
         assert node.refused == 1
     assert controller._step == 2
     assert governor._step == 2
-    governor._on_state(state(3))  # life goes on
+    tell(governor, "attitude_state", state(3))  # life goes on
     assert governor._step == 3
     assert governor.refused == 1
 
@@ -85,13 +86,13 @@ def test_controller_and_governor_refuse_bad_states(ros: Any, bad: str) -> None:
 @pytest.mark.parametrize("bad", ["NaN", "mirrored", "old"])
 def test_controller_refuses_bad_references(ros: Any, bad: str) -> None:
     controller = started(ros.add(ControllerNode()))
-    controller._on_reference(reference(2))
+    tell(controller, "attitude_reference", reference(2))
     data = {
         "NaN": lambda: with_nan(reference(3), AttitudeReference, "attitude"),
         "mirrored": lambda: reference(3, MIRROR),
         "old": lambda: reference(1),
     }[bad]()
-    controller._on_reference(data)
+    tell(controller, "attitude_reference", data)
     assert controller.refused == 1
     assert controller._reference_step == 2
 
@@ -99,11 +100,11 @@ def test_controller_refuses_bad_references(ros: Any, bad: str) -> None:
 def test_governor_refuses_a_bad_target(ros: Any) -> None:
     governor = started(ros.add(GovernorNode()))
     before = governor._governor.target
-    governor._on_target(reference(0, MIRROR))
+    tell(governor, "target_attitude", reference(0, MIRROR))
     assert governor.refused == 1
     assert governor._governor.target is before
     turned = lie.exp(np.array([0.0, 0.1, 0.0]))
-    governor._on_target(reference(0, turned))
+    tell(governor, "target_attitude", reference(0, turned))
     assert np.array_equal(governor._governor.target, turned)
 
 
@@ -118,12 +119,12 @@ def test_plant_refuses_bad_torques(ros: Any) -> None:
     nan = TorqueCommand(step=0)
     nan.torque.y = math.nan
     for message in (bad, nan, TorqueCommand(step=5)):
-        plant._on_command("", serialize_message(message))
+        tell(plant, "torque_command", serialize_message(message))
     assert plant.refused == 3
     assert plant.step == 0
-    plant._on_command("", serialize_message(good))
+    tell(plant, "torque_command", serialize_message(good))
     assert plant.step == 1
-    plant._on_command("", serialize_message(good))  # the same once more: no harm, no step
+    tell(plant, "torque_command", serialize_message(good))  # the same once more: no harm, no step
     assert plant.step == 1
     assert plant.refused == 3
 
@@ -132,9 +133,9 @@ def test_a_repeated_state_is_answered_by_the_same_bytes(ros: Any) -> None:
     controller = started(ros.add(ControllerNode()))
     sent: list[bytes] = []
     controller._outlets[TORQUE] = sent.append
-    controller._on_reference(reference(0))
-    controller._on_state(state(0))
-    controller._on_state(state(0))
+    tell(controller, "attitude_reference", reference(0))
+    tell(controller, "attitude_state", state(0))
+    tell(controller, "attitude_state", state(0))
     assert len(sent) == 2
     assert sent[0] == sent[1]
 
@@ -144,8 +145,8 @@ def test_the_controller_waits_for_its_tick(ros: Any) -> None:
     sent: list[bytes] = []
     controller._outlets[TORQUE] = sent.append
     for _ in range(2):  # one that joins in mid-flight answers the repeat
-        controller._on_state(state(4))
-    controller._on_reference(reference(4))
+        tell(controller, "attitude_state", state(4))
+    tell(controller, "attitude_reference", reference(4))
     assert sent == []
     controller._due = 4
     controller._answer_if_due()
@@ -153,10 +154,11 @@ def test_the_controller_waits_for_its_tick(ros: Any) -> None:
 
 
 class Readiness:
-    """Publisher of a node's readiness whose readers acknowledge it when they are told to."""
+    """Outlet of a node's readiness whose readers acknowledge it when they are told to."""
 
     def __init__(self) -> None:
         self.is_acknowledged = False
+        self.publisher = self
 
     def wait_for_all_acked(self, within: Duration) -> bool:
         assert within == Duration()
@@ -174,16 +176,16 @@ def test_who_joins_in_mid_flight_answers_once_it_is_heard(ros: Any, step: int, w
     controller._outlets[TORQUE] = torques.append
     governor._outlets[REFERENCE] = references.append
     controller._due = step
-    controller._on_reference(reference(step))
+    tell(controller, "attitude_reference", reference(step))
     for _ in range(3):
-        controller._on_state(state(step))
-        governor._on_state(state(step))
+        tell(controller, "attitude_state", state(step))
+        tell(governor, "attitude_state", state(step))
     if waits:
         assert torques == references == []
         for ready in said:
             ready.is_acknowledged = True
-        controller._on_state(state(step))
-        governor._on_state(state(step))
+        tell(controller, "attitude_state", state(step))
+        tell(governor, "attitude_state", state(step))
     assert len(torques) == len(references) == (1 if waits else 3)  # an answer to each repeat
 
 
@@ -193,10 +195,10 @@ def test_who_is_not_matched_yet_is_not_heard(ros: Any) -> None:
     governor._outlets[REFERENCE] = references.append
     governor._called = False  # and nobody has anything to acknowledge
     for _ in range(3):
-        governor._on_state(state(4))
+        tell(governor, "attitude_state", state(4))
     assert references == []
     governor._called = True
-    governor._on_state(state(4))
+    tell(governor, "attitude_state", state(4))
     assert len(references) == 1
 
 
@@ -207,6 +209,6 @@ def test_who_is_never_matched_answers_in_the_end(ros: Any) -> None:
     governor._called = False
     asked = 0
     while not references:
-        governor._on_state(state(4))
+        tell(governor, "attitude_state", state(4))
         asked += 1
     assert asked == _MOST_REPEATS + 1

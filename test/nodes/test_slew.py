@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
 from geometry_msgs.msg import Quaternion
-from node_messages import decode_reference, encode_reference, encode_state, ends
+from node_messages import PERIOD_NS, decode_reference, encode_reference, encode_state, ends, tell
 from rclpy.action import ActionClient
 from rclpy.node import Node
 from spacecraft_gnc_msgs.action import SlewTo
@@ -19,6 +19,7 @@ from spacecraft_gnc.loop.protocols import State
 from spacecraft_gnc.nodes._node import _MOST_REPEATS
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET
+from spacecraft_gnc.signals.message import stamp_of
 
 ZERO = np.zeros(3)
 
@@ -56,9 +57,11 @@ class Flight:
     def fly(self, angle: float, rate: float = 0.0) -> None:
         self.step += 1
         data = encode_state(
-            (self.step, 0), State(self.step, turn(angle), ZERO), np.array([0.0, 0.0, rate])
+            stamp_of(self.step, PERIOD_NS),
+            State(self.step, turn(angle), ZERO),
+            np.array([0.0, 0.0, rate]),
         )
-        self.governor._on_state(data)
+        tell(self.governor, "attitude_state", data)
 
     def _note_target(self, data: bytes) -> None:
         step, reference = decode_reference(data)
@@ -126,7 +129,7 @@ def test_a_target_on_the_topic_replaces_the_goal(flight: Flight) -> None:
 
     _, result = flight.send(0.5)
     target = Reference(turn(0.1), ZERO, ZERO)
-    flight.governor._on_target(encode_reference((0, 0), 0, target))
+    tell(flight.governor, "target_attitude", encode_reference((0, 0), 0, target))
     status, answer = flight.result(result)
     assert status == GoalStatus.STATUS_ABORTED
     assert "target_attitude" in answer.message

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from node_messages import encode_reference, encode_state, ends, torque_step
+from node_messages import PERIOD_NS, encode_reference, encode_state, ends, tell, torque_step
 from rcl_interfaces.srv import GetParameters
 from rclpy.node import Node
 
@@ -17,10 +17,10 @@ from spacecraft_gnc.lazy import Lazy
 from spacecraft_gnc.loop import Command, Reference, State
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes.nmpc_controller import ControllerNode
-from spacecraft_gnc.signals.graph import CLOCK
+from spacecraft_gnc.signals.message import stamp_of
 from spacecraft_gnc.vehicles.rigid_body import descriptor
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
-from spacecraft_gnc.vehicles.rigid_body.signals import TORQUE
+from spacecraft_gnc.vehicles.rigid_body.signals import STATE, TORQUE
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
 ZERO = np.zeros(3)
@@ -80,16 +80,16 @@ def activated(node: ControllerNode) -> Any:
 
 
 def state(step: int) -> bytes:
-    return encode_state((step, 0), State(step, TURNED, ZERO), ZERO)
+    return encode_state(stamp_of(step, PERIOD_NS), State(step, TURNED, ZERO), ZERO)
 
 
 def reference(step: int) -> bytes:
-    return encode_reference((step, 0), step, Reference(np.eye(3), ZERO, ZERO))
+    return encode_reference(stamp_of(step, PERIOD_NS), step, Reference(np.eye(3), ZERO, ZERO))
 
 
 def ask(controller: Any, step: int) -> None:
-    controller._on_state(state(step))
-    controller._on_reference(reference(step))
+    tell(controller, "attitude_state", state(step))
+    tell(controller, "attitude_reference", reference(step))
 
 
 def steps(controller: Any) -> list[int]:
@@ -107,10 +107,10 @@ def test_the_node_is_responsive_while_it_solves(ros: Any, controller: Any) -> No
     Gated.await_solve()  # from here on the second solve waits for us
     ros.spin_until(lambda: reports)
     client = ros.add(Node("client"))
-    clock = client.create_publisher(*ends(CLOCK))
-    ros.spin_until(clock.get_subscription_count)
-    clock.publish(CLOCK.encode((7, 0), 0, [(7, 0)]))
-    ros.spin_until(lambda: controller.get_clock().now().nanoseconds == 7_000_000_000)
+    states = client.create_publisher(*ends(STATE))
+    ros.spin_until(states.get_subscription_count)
+    states.publish(state(7))
+    ros.spin_until(lambda: controller.get_clock().now().nanoseconds == 7 * PERIOD_NS)
     service = client.create_client(GetParameters, "nmpc_controller/get_parameters")
     ros.spin_until(service.service_is_ready)
     answer = service.call_async(GetParameters.Request(names=["horizon"]))
@@ -158,11 +158,11 @@ def test_a_repeated_state_waits_for_its_own_torque(ros: Any, controller: Any) ->
     Gated.gate.release()
     ros.spin_until(lambda: controller.sent)
     ask(controller, 1)
-    controller._on_state(state(1))
+    tell(controller, "attitude_state", state(1))
     assert steps(controller) == [0]
     Gated.gate.release()
     ros.spin_until(lambda: len(controller.sent) == 2)
-    controller._on_state(state(1))
+    tell(controller, "attitude_state", state(1))
     assert controller.sent[1] == controller.sent[2]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from action_msgs.msg import GoalStatus
 from geometry_msgs.msg import Quaternion
-from node_messages import decode_reference, encode_reference, encode_state
+from node_messages import PERIOD_NS, decode_reference, encode_reference, encode_state, tell
 from rcl_interfaces.srv import GetParameters
 from rclpy.action import ActionClient
 from rclpy.node import Node
@@ -25,6 +25,7 @@ from spacecraft_gnc.loop.protocols import GovernorDecision
 from spacecraft_gnc.nodes import _worker
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
 from spacecraft_gnc.signals.attitude import REFERENCE
+from spacecraft_gnc.signals.message import stamp_of
 from spacecraft_gnc.vehicles.rigid_body import descriptor
 
 PATIENCE = 30.0  # [s] wall: after this a test has failed
@@ -100,12 +101,16 @@ def turn(angle: float) -> np.ndarray:
 
 
 def ask(governor: Any, step: int) -> None:
-    governor._on_state(encode_state((step, 0), State(step, turn(0.2), ZERO), ZERO))
+    tell(
+        governor,
+        "attitude_state",
+        encode_state(stamp_of(step, PERIOD_NS), State(step, turn(0.2), ZERO), ZERO),
+    )
 
 
 def aim(governor: Any, angle: float) -> None:
     target = Reference(turn(angle), ZERO, ZERO)
-    governor._on_target(encode_reference((0, 0), 0, target))
+    tell(governor, "target_attitude", encode_reference((0, 0), 0, target))
 
 
 def answers(governor: Any) -> list[tuple[int, float]]:

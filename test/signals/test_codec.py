@@ -170,8 +170,8 @@ def test_frames_of_any_length_do_not_fill_the_memory() -> None:
 
 
 def test_big_endian_messages_are_read() -> None:
-    data = b"\x00\x00\x00\x00" + struct.pack(">Q", 7)
-    assert graph.RECORDED.read(data)["data"] == 7
+    data = b"\x00\x00\x00\x00" + struct.pack(">iI", 7, 8)
+    assert graph.CLOCK.read(data)["clock"] == (7, 8)
 
 
 def test_nan_and_infinity_survive() -> None:

@@ -21,7 +21,7 @@ FLIGHT = bytes.fromhex(new_key())
 
 @given(data=st.binary(max_size=300))
 def test_a_seal_is_checked_and_removed(data: bytes) -> None:
-    sealed = sealer(FLIGHT, "/attitude_state")(data)
+    sealed = sealer(FLIGHT, "/attitude_state", "/plant")(data)
     assert len(sealed) == len(data) + SIZE
     assert opener(FLIGHT, "/attitude_state")(sealed) == data
     assert without_seal(sealed) == data
@@ -29,7 +29,7 @@ def test_a_seal_is_checked_and_removed(data: bytes) -> None:
 
 @given(data=st.binary(max_size=300), at=st.integers(0, 10_000), bit=st.integers(0, 7))
 def test_no_changed_bit_passes(data: bytes, at: int, bit: int) -> None:
-    sealed = bytearray(sealer(FLIGHT, "/attitude_state")(data))
+    sealed = bytearray(sealer(FLIGHT, "/attitude_state", "/plant")(data))
     place = at % len(sealed)
     sealed[place] ^= 1 << bit
     opened = opener(FLIGHT, "/attitude_state")(bytes(sealed))
@@ -41,15 +41,23 @@ def test_no_changed_bit_passes(data: bytes, at: int, bit: int) -> None:
 def test_bytes_of_a_stranger_are_refused(data: bytes) -> None:
     cut = opener(FLIGHT, "/attitude_state")
     assert cut(data) is None
-    assert cut(sealer(bytes.fromhex(new_key()), "/attitude_state")(data)) is None
-    assert cut(sealer(FLIGHT, "/attitude_reference")(data)) is None  # replayed elsewhere
+    assert cut(sealer(bytes.fromhex(new_key()), "/attitude_state", "/plant")(data)) is None
+    assert cut(sealer(FLIGHT, "/attitude_reference", "/plant")(data)) is None  # replayed elsewhere
 
 
 def test_without_a_key_nothing_is_sealed_nor_checked() -> None:
-    assert sealer(b"", "/clock")(b"1234") == b"1234"
     assert opener(b"", "/clock")(b"1234") == b"1234"
-    sealed = sealer(FLIGHT, "/clock")(b"1234")
+    sealed = sealer(FLIGHT, "/clock", "/plant")(b"1234")
     assert opener(b"", "/clock")(sealed) == b"1234"
+
+
+def test_a_message_is_taken_once_and_none_older_than_the_last() -> None:
+    seal, other = (sealer(FLIGHT, "/attitude_state", name) for name in ("/plant", "/other"))
+    first, second, of_other = seal(b"1"), seal(b"2"), other(b"3")
+    cut = opener(FLIGHT, "/attitude_state")
+    assert [cut(data) for data in (second, second, first)] == [b"2", None, None]
+    assert cut(of_other) == b"3"  # each sender has its own order
+    assert cut(seal(b"2")) == b"2"  # said again by its sender
 
 
 @pytest.mark.parametrize(("text", "key"), [("", b""), ("00ff", b"\x00\xff"), ("no hex", b"")])
@@ -71,5 +79,5 @@ def test_ros_reads_sealed_messages() -> None:
 
     nested = DiagnosticArray(status=[DiagnosticStatus(name="plant")])
     for message in (String(data="/plant"), Clock(), nested):
-        sealed = sealer(FLIGHT, "/a")(serialization.serialize_message(message))
+        sealed = sealer(FLIGHT, "/a", "/plant")(serialization.serialize_message(message))
         assert serialization.deserialize_message(sealed, type(message)) == message
