@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
+from spacecraft_gnc.signals.seal import KEY
 
 DOMAIN_ID: Final = "ROS_DOMAIN_ID"
 SUPERVISED: Final = "SPACECRAFT_GNC_SUPERVISED"
@@ -95,9 +96,11 @@ def domain_id(environment: Mapping[str, str]) -> int:
     return int(text)
 
 
-def for_node(base: Mapping[str, str], domain_id: int) -> dict[str, str]:
-    """Return the environment of a node process on a domain."""
+def for_node(base: Mapping[str, str], domain_id: int, key: bytes = b"") -> dict[str, str]:
+    """Return the environment of a node process on a domain, of the flight that has a key."""
     environment = dict(base)
+    if key:
+        environment[KEY] = key.hex()
     prepare(environment)
     environment[DOMAIN_ID] = str(domain_id)
     environment[SUPERVISED] = "1"

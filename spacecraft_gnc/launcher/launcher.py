@@ -18,6 +18,7 @@ from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan, 
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
 from spacecraft_gnc.launcher.progress import Display
 from spacecraft_gnc.signals.members import role_of, space_of
+from spacecraft_gnc.signals.seal import key_in
 
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
     from spacecraft_gnc.ros.supervisor import Supervisor
@@ -45,6 +46,7 @@ class Launcher:
         self.plan = plan
         self.display = display
         self._born = born
+        self._key = key_in(os.environ)  # whoever set one starts nodes by hand that are to take part
         self._processes: dict[str, NodeProcess] = {}
         self._restarts: list[str] = []
         self._bags = [plan.bag] if plan.records else []
@@ -73,7 +75,7 @@ class Launcher:
             raise
         try:
             self._domain_id = lock.domain_id
-            self._environment = environment.for_node(os.environ, lock.domain_id)
+            self._environment = environment.for_node(os.environ, lock.domain_id, self._key)
             self.plan.logs.mkdir(exist_ok=True)
             with self._signals():
                 progress = self._fly()
@@ -108,7 +110,7 @@ class Launcher:
                 self._start(name, autostart=False)
             from spacecraft_gnc.ros.supervisor import Supervisor
 
-            with Supervisor(self.plan.nodes, self._domain_id) as supervisor:
+            with Supervisor(self.plan.nodes, self._domain_id, self._key) as supervisor:
                 self.display.waiting(self.plan, self._domain_id)
                 self._bring_up(supervisor)
                 while not self._finished():
