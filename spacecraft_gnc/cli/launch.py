@@ -91,7 +91,8 @@ def launch(
         _shout_losses([plan.bag])
         raise typer.Exit(error.exit_code) from error
     except NodeDied as error:
-        print_error(error)
+        if not error.told:
+            print_error(error)
         for line in error.last_output:
             print(f"  | {line}", file=sys.stderr)
         if plan.bag.is_dir() and not (plan.bag / METADATA_NAME).exists():

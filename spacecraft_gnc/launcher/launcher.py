@@ -7,7 +7,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from spacecraft_gnc.errors import LaunchError
@@ -52,6 +52,7 @@ class Launcher:
         self._bags = [plan.bag] if plan.records else []
         self._startup_time = math.nan
         self._signal = 0
+        self._has_logs = True
         self._warned = False
 
     def run(self) -> Outcome:
@@ -76,7 +77,8 @@ class Launcher:
         try:
             self._domain_id = lock.domain_id
             self._environment = environment.for_node(os.environ, lock.domain_id, self._key)
-            self.plan.logs.mkdir(exist_ok=True)
+            with suppress(OSError):  # a full disk: the first log tells
+                self.plan.logs.mkdir(exist_ok=True)
             with self._signals():
                 progress = self._fly()
         finally:
@@ -157,11 +159,20 @@ class Launcher:
     def _watch(self, supervisor: Supervisor) -> None:
         """Wait one polling period; check for signals and dead nodes."""
         supervisor.spin(_BEAT)
+        self._look_at_logs()
         if self._signal:
             raise Interrupted(self._signal)
         for name, process in list(self._processes.items()):
             if process.exit_code is not None and not self._finished():
                 self._on_death(name, process, supervisor.progress.step)
+
+    def _look_at_logs(self) -> None:
+        """Say once if a log cannot be written."""
+        for process in self._processes.values():
+            if process.log_trouble and self._has_logs:
+                self._has_logs = False
+                text = f"{process.log}: {process.log_trouble}; the logs of this flight have gaps"
+                self.display.tell(f"warning: {text}")
 
     def _warn(self, progress: Any, *, over: bool = False) -> None:
         """Warn once if the controller does not keep up."""
@@ -193,6 +204,7 @@ class Launcher:
         end_all([self._processes[name] for name in first], _END_PATIENCE)
         if RECORDER in self._processes:
             end_all([self._processes[RECORDER]], _DRAIN_PATIENCE)
+        self._look_at_logs()
 
     def _require_good_ends(self) -> None:
         for process in self._processes.values():
@@ -200,12 +212,15 @@ class Launcher:
                 raise self._death(process, self.plan.scenario.n_steps)
 
     def _death(self, process: NodeProcess, step: int) -> LaunchError:
+        """Name a node that ended at once, before the others are ended; return the error."""
         time_reached = f" at step {step}" if step >= 0 else " before step 0"
         reasons = process.errors()
         if reasons and step < 0:
             return NodeRefused("\n".join(f"{process.name}: {reason}" for reason in reasons))
-        text = f"{process.describe_end()}{time_reached}; its log: {process.log}"
-        return NodeDied(text, process.last_output())
+        reason = f": {last}" if (last := process.last_error()) else ""
+        text = f"{process.describe_end()}{time_reached}{reason}; its log: {process.log}"
+        self.display.tell(f"error: {text}")
+        return NodeDied(text, process.last_output(), told=True)
 
     def _refusal(self, names: Sequence[str]) -> NodeRefused:
         self._end()  # the nodes print their reasons as they end

@@ -53,10 +53,13 @@ class NodeDied(LaunchError):
         The node, and how it ended.
     last_output
         The last lines of its log.
+    told
+        Whether the message was shown when it happened.
     """
 
-    def __init__(self, message: str, last_output: Sequence[str]) -> None:
+    def __init__(self, message: str, last_output: Sequence[str], *, told: bool = False) -> None:
         self.last_output = tuple(last_output)
+        self.told = told
         super().__init__(message)
 
 

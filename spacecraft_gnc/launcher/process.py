@@ -7,14 +7,12 @@ import subprocess
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
-from typing import Final
+from typing import IO, Final, cast
 
-from spacecraft_gnc.launcher.environment import TELL_WHERE
+from spacecraft_gnc.launcher.environment import LOG, TELL_WHERE
+from spacecraft_gnc.launcher.output import Output
 
-_TAIL: Final = 20  # lines of a log shown
-_TAIL_BYTES: Final = 8192
 _OUTPUT_TIMEOUT: Final = 0.5  # [s] wall
 _POLL: Final = 0.02  # [s] wall
 
@@ -22,8 +20,9 @@ _POLL: Final = 0.02  # [s] wall
 class NodeProcess:
     """One process that hosts one node, or several.
 
-    Its output goes to a log file. The end of its standard input tells it that the launcher has
-    ended, so that no node outlives a killed launcher.
+    Its output comes through a pipe and goes to a log file. The end of its standard input tells it
+    that the launcher has ended, so that no node outlives a killed launcher; what it then still has
+    to say it writes to the log itself.
 
     Parameters
     ----------
@@ -44,15 +43,15 @@ class NodeProcess:
         self.log = log
         self._asked_at = 0.0  # [s] wall
         self._overdue = 0.0  # [s] wall after which it was killed; 0: not killed
-        with log.open("ab") as output:
-            self._popen = subprocess.Popen(
-                [sys.executable, *arguments],
-                stdin=subprocess.PIPE,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                env=dict(environment),
-                start_new_session=True,  # Ctrl-C reaches only the launcher, which ends us in order
-            )
+        self._popen = subprocess.Popen(
+            [sys.executable, *arguments],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env={**environment, LOG: str(log.absolute())},
+            start_new_session=True,  # Ctrl-C reaches only the launcher, which ends us in order
+        )
+        self._output = Output(cast("IO[bytes]", self._popen.stdout), log)
 
     @property
     def pid(self) -> int:
@@ -84,8 +83,7 @@ class NodeProcess:
     def _kill(self) -> int:
         """Let it log the stacks of its threads, then kill it; return the exit code."""
         title = f"{self.name}: did not end within {self._overdue:.1f} s; its threads:\n"
-        with suppress(OSError), self.log.open("ab") as log:
-            log.write(title.encode())
+        self._output.write(title.encode())
         self._popen.send_signal(TELL_WHERE)  # ends a process that has not become a node yet
         try:
             return self._popen.wait(_OUTPUT_TIMEOUT)
@@ -106,19 +104,27 @@ class NodeProcess:
         return f"{self.name} (pid {self.pid}) ended with exit code {code}"
 
     def last_output(self) -> list[str]:
-        """Return the last lines of its log."""
-        try:
-            with self.log.open("rb") as log:
-                log.seek(max(0, self.log.stat().st_size - _TAIL_BYTES))
-                lines = log.read().decode(errors="replace").splitlines()
-        except OSError:
-            return []
-        return lines[-_TAIL:]
+        """Return the last lines of its output."""
+        return self._ended_output().last_lines()
 
     def errors(self) -> list[str]:
-        """Return the ``error:`` lines among the last lines of its log, without the prefix."""
-        prefix = "error: "
-        return [w.removeprefix(prefix) for w in self.last_output() if w.startswith(prefix)]
+        """Return the ``error:`` lines among the last lines of its output, without the prefix."""
+        return self._ended_output().errors()
+
+    def last_error(self) -> str:
+        """Return the last line of its output that tells of an error; empty: there is none."""
+        return self._ended_output().last_error()
+
+    @property
+    def log_trouble(self) -> str:
+        """Why its log is not complete; empty: it is."""
+        return self._output.trouble
+
+    def _ended_output(self) -> Output:
+        """Return its output, the whole if it has ended."""
+        if self.exit_code is not None:
+            self._output.wait(_OUTPUT_TIMEOUT)
+        return self._output
 
 
 def end_all(processes: Sequence[NodeProcess], patience: float) -> None:

@@ -50,7 +50,11 @@ class Display:
 
     def warn(self, text: str) -> None:
         """Print a warning."""
-        print(f"warning: {text}", file=sys.stderr, flush=True)
+        self.tell(f"warning: {text}")
+
+    def tell(self, text: str) -> None:
+        """Print a line, however quiet the display is."""
+        print(text, file=sys.stderr, flush=True)
 
     def close(self) -> None:
         """Close the display."""
@@ -145,9 +149,9 @@ class Bar(Display):
         """Print it above the bar."""
         self._bar.console.print(f"  {text}", highlight=False)
 
-    def warn(self, text: str) -> None:
+    def tell(self, text: str) -> None:
         """Print it above the bar."""
-        self._bar.console.print(f"warning: {text}", highlight=False, markup=False)
+        self._bar.console.print(text, highlight=False, markup=False, soft_wrap=True)
 
     def close(self) -> None:
         """Remove the bar."""

@@ -31,7 +31,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
-from spacecraft_gnc.launcher.environment import SUPERVISED, TELL_WHERE, prepare
+from spacecraft_gnc.launcher.environment import LOG, SUPERVISED, TELL_WHERE, prepare
 from spacecraft_gnc.nodes._deadline import end_within
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.ros.parameters import command_line, given_parameters
@@ -122,8 +122,9 @@ def _flush() -> None:
 
 def report(error: Exception) -> None:
     """Print an error as the command line does: one line for each problem."""
-    for line in str(error).splitlines():
-        print(f"error: {line}", file=sys.stderr, flush=True)
+    with suppress(OSError):
+        for line in str(error).splitlines():
+            print(f"error: {line}", file=sys.stderr, flush=True)
 
 
 class _Ending:
@@ -161,8 +162,23 @@ class _StopRequest:
         if self._supervised and time.monotonic() >= self._next_look:
             self._next_look = time.monotonic() + _SPIN
             readable, _, _ = select.select([0], [], [], 0.0)
-            self._asked |= bool(readable) and os.read(0, 1) == b""
+            if readable and os.read(0, 1) == b"":
+                self._supervised = False
+                self._asked = True
+                _write_to_log()
         return self._asked
+
+
+def _write_to_log() -> None:
+    """Write to the log from here on: nobody reads the pipe of a launcher that has gone."""
+    if LOG not in os.environ:
+        return
+    for path in (os.environ[LOG], os.devnull):
+        with suppress(OSError):  # the folder was deleted
+            log = os.open(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+            os.dup2(log, 1)
+            os.dup2(log, 2)
+            return
 
 
 def _check_arguments(argv: Sequence[str]) -> None:

@@ -24,6 +24,7 @@ class At(Display):
         self.action = action
         self.launcher: Launcher | None = None
         self.notes: list[str] = []
+        self.told: list[str] = []
 
     def flying(self, report: Report) -> None:
         if report.step >= self.step and self.launcher is not None:
@@ -32,6 +33,9 @@ class At(Display):
 
     def note(self, text: str) -> None:
         self.notes.append(text)
+
+    def tell(self, text: str) -> None:
+        self.told.append(text)
 
 
 class Graph:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import resource
 import signal
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ pytestmark = pytest.mark.graph
 
 ENDLESS = "plant.duration=1000000.0"
 EARLY = 60
+MEGABYTE = 1_000_000
 SAVED = 2000  # steps, over a second of wall time: longer than a recorder keeps messages to itself
 
 
@@ -38,9 +40,20 @@ def assert_whole(flight: RecordedRun, *, killed: bool = False) -> None:
 
 @pytest.mark.parametrize("name", ["plant", "nmpc_controller", "reference_governor", "recorder"])
 def test_a_killed_node_ends_the_run(graph: Any, at: Any, name: str) -> None:
+    display = at(SAVED if name == "recorder" else EARLY, kill(name))
+    running: list[int] = []
+
+    def tell(text: str) -> None:
+        display.told.append(text)
+        running.append(list(graph.exit_codes.values()).count(None))
+
+    display.tell = tell
     with pytest.raises(NodeDied, match=f"{name} .* was killed by SIGKILL at step") as caught:
-        graph.fly(ENDLESS, display=at(SAVED if name == "recorder" else EARLY, kill(name)))
+        graph.fly(ENDLESS, display=display)
     assert caught.value.exit_code == 1
+    assert caught.value.told
+    assert display.told == [f"error: {caught.value}"]
+    assert running == [3]  # it is named before the others are ended
     codes = graph.exit_codes
     assert codes.pop(name) == -signal.SIGKILL
     assert codes == dict.fromkeys(codes, 0)
@@ -120,3 +133,24 @@ def test_no_controller_in_lockstep_falls_back(graph: Any) -> None:
     assert flown.source.tolist() == [4, 4, 4]
     assert not flown.torque.any()
     assert graph.outcome.missed_deadlines == 3
+
+
+def test_a_full_disk_is_named_although_the_log_is_on_it(graph: Any, at: Any) -> None:
+    out, display = graph.folder / "run", at(0, lambda _: None)
+
+    def fill() -> None:
+        (out / "logs").mkdir()
+        for name in ("plant", "nmpc_controller", "reference_governor", "recorder"):
+            (out / "logs" / f"{name}.log").symlink_to("/dev/full")
+        resource.setrlimit(resource.RLIMIT_FSIZE, (MEGABYTE, before[1]))  # the nodes inherit it
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    try:
+        with pytest.raises(NodeDied, match=r"recorder .* ended with exit code 2 at step"):
+            graph.fly(ENDLESS, out=out, display=display, before=fill)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    (death,) = (text for text in display.told if text.startswith("error: "))
+    assert "File too large" in death
+    (trouble,) = (text for text in display.told if text.startswith("warning: "))
+    assert "No space left on device; the logs of this flight have gaps" in trouble

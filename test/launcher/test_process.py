@@ -47,6 +47,7 @@ def test_ends_when_asked(tmp_path: Path) -> None:
 def test_is_killed_when_stubborn(tmp_path: Path) -> None:
     process = start(STUBBORN, tmp_path / "log")
     end_all([process], 0.1)
+    assert not process.log_trouble
     assert process.exit_code in (-signal.SIGKILL, -environment.TELL_WHERE)
     assert process.describe_end().endswith("did not end within 0 s and was killed")
 
@@ -73,6 +74,37 @@ def test_errors_are_found_among_the_last_output(tmp_path: Path) -> None:
     process = NodeProcess("plant", ["-c", code], os.environ, tmp_path / "log")
     assert process.join(10.0) == 1
     assert process.errors() == ["a: received b"]
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        ("x\nerror: bag: received b\nbye", "bag: received b"),
+        ("[INFO] [1] [plant]: x\n[ERROR] [2] [plant]: y\nz", "[ERROR] [2] [plant]: y"),
+        ("Traceback\n  File x\nrclpy._rclpy.RMWError: bad\n", "rclpy._rclpy.RMWError: bad"),
+        (
+            "Fatal Python error: Segmentation fault\n\nThread",
+            "Fatal Python error: Segmentation fault",
+        ),
+        ("no Error here\n", ""),
+        ("", ""),
+    ],
+)
+def test_the_last_error_is_found(tmp_path: Path, said: str, reason: str) -> None:
+    process = NodeProcess("plant", ["-c", f"print({said!r}, end='')"], os.environ, tmp_path / "log")
+    process.join(10.0)
+    assert process.last_error() == reason
+    assert process.log.read_text() == said
+
+
+@pytest.mark.parametrize("log", ["/dev/full", "/nonexistent/log"])
+def test_output_is_kept_where_the_log_cannot_be_written(log: str) -> None:
+    many = "for i in range(100_000): print(i)\nprint('error: no space')"
+    process = NodeProcess("plant", ["-c", many], os.environ, Path(log))
+    assert process.join(30.0) == 0  # nobody waits for a pipe that is full
+    assert process.errors() == ["no space"]
+    assert process.last_output()[-2] == "99999"
+    assert process.log_trouble in {"No space left on device", "No such file or directory"}
 
 
 def test_environment_of_a_node() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from spacecraft_gnc.launcher import domain
-from spacecraft_gnc.launcher.environment import for_node
+from spacecraft_gnc.launcher.environment import LOG, for_node
 from spacecraft_gnc.launcher.process import NodeProcess
 
 CASE1 = Path(__file__).resolve().parents[2] / "config" / "gupta2015_case1.yaml"
@@ -138,3 +138,43 @@ def test_what_would_hang_after_python_has_ended_is_not_waited_for(tmp_path: Path
     node = ended_by_its_launcher("library", tmp_path)
     assert node.exit_code == 0
     assert node.last_output() == ["up"]
+
+
+ORDERLY = """
+import sys
+from spacecraft_gnc.nodes._runner import run
+from spacecraft_gnc.nodes.recorder import RecorderNode
+
+class Node(RecorderNode):
+    def start(self):
+        super().start()
+        print("up", flush=True)
+
+    def on_shutdown(self, state):
+        print("ends", flush=True)
+        return super().on_shutdown(state)
+
+sys.exit(run(Node))
+"""
+
+
+def test_a_node_whose_launcher_was_killed_ends_in_order_and_says_so(tmp_path: Path) -> None:
+    lock = domain.claim_free({"test": "runner"})
+    log = tmp_path / "log"
+    arguments = ["--ros-args", "--params-file", str(CASE1)]
+    arguments += ["-p", f"storage_folder:={tmp_path / 'bag'}"]
+    node = subprocess.Popen(
+        [sys.executable, "-c", ORDERLY, *arguments],
+        env=for_node(os.environ, lock.domain_id) | {LOG: str(log)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
+    assert node.stdin is not None
+    assert node.stdout is not None
+    assert node.stdout.readline() == b"up\n"
+    node.stdout.close()  # what a launcher that is killed leaves behind
+    node.stdin.close()
+    assert node.wait(30.0) == 0
+    lock.release()
+    assert log.read_text() == "ends\n"
