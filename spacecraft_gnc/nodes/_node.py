@@ -240,6 +240,7 @@ class GncNode(NodeWithEnds):
         return DIAGNOSTICS.encode(stamp, 0, [[status]])
 
     def fail(self, error: Exception) -> None:
-        """End the node because of ``error``: the runner reports it."""
-        self.failure = error
+        """End the node because of ``error``: the runner reports the first, which causes others."""
+        if not self.finished:
+            self.failure = error
         self.finished = True
