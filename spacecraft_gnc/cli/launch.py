@@ -26,7 +26,7 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.extras import require_ros
 from spacecraft_gnc.launcher.deadlines import misses_most
 from spacecraft_gnc.launcher.launcher import Launcher
-from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
+from spacecraft_gnc.launcher.outcome import REFUSED, Interrupted, NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.launcher.progress import choose
 from spacecraft_gnc.recording.metadata import METADATA_NAME, read_counts, read_losses
@@ -102,7 +102,7 @@ def launch(
     metrics = _metrics(plan, outcome) if strict or as_json or not quiet else {}
     _report(plan, outcome, metrics, as_json=as_json, quiet=quiet)
     require_within_limits(plan.scenario.path, metrics.get("limits_exceeded", ()), strict)
-    if not is_complete:
+    if outcome.strangers or not is_complete:
         raise typer.Exit(1)
 
 
@@ -140,6 +140,8 @@ def _report(
         rows += [("state to command", _latency(metrics))] if outcome.bags else []
         rows.append(("deadlines missed", _missed(outcome)))
     rows += [("restarted", name) for name in outcome.restarts]
+    rows += [("STRANGER", text) for text in outcome.strangers]
+    rows += [("messages refused", text) for text in _refused(outcome)]
     rows += [("recorded in", bag) for bag in outcome.bags]
     rows.append(("logs", str(plan.logs)))
     print_summaries(metrics, plan.fleet, rows, flown=bool(outcome.bags))
@@ -201,6 +203,8 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         "startup_time": outcome.startup_time,
         "missed_deadlines": outcome.missed_deadlines,
         "restarts": list(outcome.restarts),
+        "strangers": list(outcome.strangers),
+        "messages_refused": {name: dict(counts) for name, counts in outcome.refused.items()},
         "bags": list(outcome.bags),
         "messages_lost": sum(sum(read_losses(Path(bag)).values()) for bag in outcome.bags),
         "topics_never_published": _never_published(plan, outcome),
@@ -214,6 +218,15 @@ def _missed(outcome: Outcome) -> str:
     if not misses_most(outcome.missed_deadlines, outcome.steps):
         return text
     return f"{text}: lower --rate, or fly with --mode lockstep"
+
+
+def _refused(outcome: Outcome) -> list[str]:
+    """Return a line for each node that refused messages: how many, and why."""
+    lines = []
+    for name, counts in outcome.refused.items():
+        reasons = ", ".join(f"{key} {n}" for key, n in counts.items() if n and key != REFUSED)
+        lines.append(f"{counts[REFUSED]} by {name}" + (f": {reasons}" if reasons else ""))
+    return lines
 
 
 def _latency(m: dict[str, Any]) -> str:

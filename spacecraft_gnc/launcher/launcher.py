@@ -80,9 +80,10 @@ class Launcher:
             with suppress(OSError):  # a full disk: the first log tells
                 self.plan.logs.mkdir(exist_ok=True)
             with self._signals():
-                progress = self._fly()
+                supervisor = self._fly()
         finally:
             lock.release()
+        progress = supervisor.progress
         return Outcome(
             domain_id=lock.domain_id,
             steps=self.plan.scenario.n_steps,
@@ -92,6 +93,8 @@ class Launcher:
             missed_deadlines=progress.missed_deadlines,
             restarts=tuple(self._restarts),
             bags=tuple(str(bag) for bag in self._bags),
+            strangers=tuple(map(str, supervisor.strangers)),
+            refused=supervisor.refused,
         )
 
     def _claim_domain(self) -> domain.DomainLock:
@@ -105,25 +108,28 @@ class Launcher:
             given = environment.domain_id(os.environ)
         return domain.claim_given(given, about) if given >= 0 else domain.claim_free(about)
 
-    def _fly(self) -> Any:
-        """Start, monitor and stop the processes; return the last progress received."""
+    def _fly(self) -> Supervisor:
+        """Start, monitor and stop the processes; return what has looked after them."""
         try:
             for name in [COMPOSED] if self.plan.composed else self.plan.nodes:
                 self._start(name, autostart=False)
             from spacecraft_gnc.ros.supervisor import Supervisor
 
-            with Supervisor(self.plan.nodes, self._domain_id, self._key) as supervisor:
+            plan = self.plan
+            with Supervisor(plan.nodes, plan.fleet, self._domain_id, self._key) as supervisor:
                 self.display.waiting(self.plan, self._domain_id)
                 self._bring_up(supervisor)
                 while not self._finished():
                     self._watch(supervisor)
                     self.display.flying(supervisor.progress)
                     self._warn(supervisor.progress)
+                self._tell_strangers(supervisor, everywhere=True)
                 supervisor.spin(0.0)
                 self._warn(supervisor.progress, over=True)
                 self._end()
+                supervisor.spin(_BEAT)  # the nodes' last words
                 self._require_good_ends()
-                return supervisor.progress
+                return supervisor
         finally:
             self._end()
             self.display.close()
@@ -160,11 +166,20 @@ class Launcher:
         """Wait one polling period; check for signals and dead nodes."""
         supervisor.spin(_BEAT)
         self._look_at_logs()
+        self._tell_strangers(supervisor)
         if self._signal:
             raise Interrupted(self._signal)
         for name, process in list(self._processes.items()):
             if process.exit_code is not None and not self._finished():
-                self._on_death(name, process, supervisor.progress.step)
+                self._on_death(name, process, supervisor)
+
+    def _tell_strangers(self, supervisor: Supervisor, *, everywhere: bool = False) -> None:
+        """Report publishers that are none of the flight's nodes, at once."""
+        for stranger in supervisor.new_strangers(everywhere=everywhere):
+            self.display.tell(
+                f"error: {stranger}: received a publisher that is none of this flight's nodes; "
+                "required none, whose messages are refused; end it, or set launcher.domain_id"
+            )
 
     def _look_at_logs(self) -> None:
         """Say once if a log cannot be written."""
@@ -187,7 +202,8 @@ class Launcher:
         host = self._processes[COMPOSED if self.plan.composed else PLANT]
         return host.exit_code == 0
 
-    def _on_death(self, name: str, process: NodeProcess, step: int) -> None:
+    def _on_death(self, name: str, process: NodeProcess, supervisor: Supervisor) -> None:
+        step = supervisor.progress.step
         restarts = self._restarts.count(name)
         if not self.plan.restart or name == PLANT or step < 0 or restarts >= _MOST_RESTARTS:
             raise self._death(process, step)
@@ -196,6 +212,7 @@ class Launcher:
         self._restarts.append(name)
         if name == RECORDER:
             self._bags.append(self.plan.out / f"bag-{len(self._bags) + 1}")
+        supervisor.admit(name)
         self._start(name, autostart=True)
 
     def _end(self) -> None:

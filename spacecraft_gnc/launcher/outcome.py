@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
+
+REFUSED: Final = "rejected_messages"
+"""Key under which nodes tell, in their diagnostics, how many messages they refused."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,6 +35,10 @@ class Outcome:
         Nodes that died and were restarted.
     bags
         Folders of the recordings; more than one if the recorder was restarted.
+    strangers
+        Publishers on topics of the flight that are none of its nodes: topic and node.
+    refused
+        Messages that each node refused, in all and by reason.
     """
 
     domain_id: int
@@ -42,6 +49,8 @@ class Outcome:
     missed_deadlines: int
     restarts: tuple[str, ...]
     bags: tuple[str, ...]
+    strangers: tuple[str, ...] = ()
+    refused: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
 
 
 class NodeDied(LaunchError):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -17,9 +17,17 @@ from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.ros.endpoints import message_type
 from spacecraft_gnc.ros.managed import Managed, Stage
 from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.ros.strangers import Stranger, StrangerWatch, speakers_of
 from spacecraft_gnc.ros.told import Progress, Told
+from spacecraft_gnc.scenario import Fleet
 from spacecraft_gnc.signals import Signal
-from spacecraft_gnc.signals.graph import CONTROLLER, PLANT, WALL_STATUS, WALL_TIMING
+from spacecraft_gnc.signals.graph import (
+    CONTROLLER,
+    DIAGNOSTICS,
+    PLANT,
+    WALL_STATUS,
+    WALL_TIMING,
+)
 from spacecraft_gnc.signals.members import Place, role_of, space_of
 from spacecraft_gnc.signals.seal import opener
 
@@ -34,13 +42,17 @@ class Supervisor:
     ----------
     names
         Nodes to look after, relative to the root namespace.
+    fleet
+        What flies: it tells who may publish on which topic.
     domain_id
         ROS_DOMAIN_ID of the graph.
     key
         Of the flight: what its nodes tell is sealed with it.
     """
 
-    def __init__(self, names: Sequence[str], domain_id: int, key: bytes = b"") -> None:
+    def __init__(
+        self, names: Sequence[str], fleet: Fleet, domain_id: int, key: bytes = b""
+    ) -> None:
         prepare(os.environ)
         options = SignalHandlerOptions.NO
         rclpy.init(args=[], domain_id=domain_id, signal_handler_options=options)
@@ -50,9 +62,11 @@ class Supervisor:
         self._nodes = {name: Managed(self._node, name) for name in names}
         self._key = key
         self._told = Told()
+        self._strangers = StrangerWatch(self._node, speakers_of(fleet))
         self._listen(WALL_TIMING, "", self._told.timing)
         for space in dict.fromkeys(space_of(n) for n in names if role_of(n) == CONTROLLER):
             self._listen(WALL_STATUS, space, partial(self._told.status, space))
+        self._listen(DIAGNOSTICS, "", self._told.diagnostics)
 
     def _listen(self, signal: Signal, space: str, take: Callable[[bytes], None]) -> None:
         kind, topic, qos = (
@@ -78,6 +92,7 @@ class Supervisor:
         """Handle what arrives for about ``wall_time`` seconds, and push every node on."""
         deadline = time.monotonic() + wall_time
         self._push()
+        self._strangers.look()
         while (remaining := deadline - time.monotonic()) > 0.0:
             self._executor.spin_once(timeout_sec=remaining)
         self._push()
@@ -86,6 +101,26 @@ class Supervisor:
     def progress(self) -> Progress:
         """What the graph last told about itself."""
         return self._told.progress
+
+    @property
+    def refused(self) -> Mapping[str, Mapping[str, int]]:
+        """Messages that each node refused, by what it tells of them."""
+        return self._told.refused_by_node
+
+    @property
+    def strangers(self) -> tuple[Stranger, ...]:
+        """Who publishes on topics of the flight and is none of its nodes."""
+        return self._strangers.found
+
+    def new_strangers(self, *, everywhere: bool = False) -> list[Stranger]:
+        """Return those found since it was last asked; look at all topics first where told so."""
+        if everywhere:
+            self._strangers.look_everywhere()
+        return self._strangers.take_news()
+
+    def admit(self, name: str) -> None:
+        """Expect another life of a node that is started again."""
+        self._strangers.admit(f"/{name}")
 
     def stages(self) -> dict[str, Stage]:
         """Return how far each node has come."""

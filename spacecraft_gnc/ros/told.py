@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import deserialize_message
 
+from spacecraft_gnc.launcher.outcome import REFUSED
 from spacecraft_gnc.signals import Refused
 from spacecraft_gnc.signals.graph import WALL_TIMING
 from spacecraft_gnc.signals.seal import Cut
@@ -60,6 +61,8 @@ class Told:
         self.progress = Progress()
         self.refused: Counter[str] = Counter()
         """Messages that were refused, by topic."""
+        self.refused_by_node: dict[str, dict[str, int]] = {}
+        """Messages that nodes say they refused: by node, in all and by reason."""
         self._status: dict[str, _Status] = {}
 
     def guarded(
@@ -112,6 +115,19 @@ class Told:
             progress = self.progress
             progress.status_step, progress.solve_time = shown.step, shown.solve_time
             progress.distance, progress.attitude_error = shown.distance, shown.error
+
+    def diagnostics(self, data: bytes) -> None:
+        """Take a message of any node: how many messages it has refused so far.
+
+        Raises
+        ------
+        Refused
+            If it is none.
+        """
+        for name, values in diagnostics_in(data).items():
+            counts = {key: int(n) for key, n in values.items() if n.isdecimal()}
+            if counts.get(REFUSED):
+                self.refused_by_node[name] = counts
 
 
 def diagnostics_in(data: bytes) -> Mapping[str, Mapping[str, str]]:

@@ -107,6 +107,11 @@ class Members:
         """Return how many publishers a topic of an agent or a craft has."""
         return self._count(signal.publishers, signal, space)
 
+    def speakers(self, signal: Signal, space: str) -> tuple[str, ...]:
+        """Return the nodes that publish on a topic of an agent or a craft."""
+        serving = (name for name in self.names if self._serves(name, signal, space))
+        return tuple(name for name in serving if role_of(name) in signal.publishers)
+
     def _count(self, roles: Sequence[str], signal: Signal, space: str) -> int:
         return sum(roles.count(role_of(n)) for n in self.names if self._serves(n, signal, space))
 

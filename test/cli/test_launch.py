@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 from dataclasses import replace
 from pathlib import Path
@@ -59,6 +60,30 @@ def test_a_loss_is_a_failure(monkeypatch: Any, capsys: Any, tmp_path: Path, lost
     bag = tmp_path / "run" / "bag"
     shout = f"error: {bag}: MESSAGES LOST, the bag is not complete: /words 7\n"
     assert (code, out, err) == ((1, "", shout) if lost else (0, "", ""))
+
+
+def test_a_stranger_is_a_failure(monkeypatch: Any, capsys: Any, tmp_path: Path) -> None:
+    """It was named when it came; the summary repeats who it was, and who refused how much."""
+    line = "/torque_command: /stranger"
+    refused = {"plant": {"rejected_messages": 5, "torque_command: no seal": 3}}
+
+    def run(self: Launcher) -> Outcome:
+        return replace(record(self.plan, 0), bags=(), strangers=(line,), refused=refused)
+
+    monkeypatch.setattr(Launcher, "run", run)
+    told = []
+    for name, option in (("a", "--quiet"), ("b", "--json"), ("c", "--strict")):
+        given = () if option == "--strict" else (option,)
+        with pytest.raises(SystemExit) as end:
+            main(["launch", str(CASE1), "--out", str(tmp_path / name), *given])
+        assert end.value.code == 1
+        told.append(capsys.readouterr().out)
+    assert told[0] == ""
+    values = json.loads(told[1])
+    assert (values["strangers"], values["messages_refused"]) == ([line], refused)
+    rows = dict(re.split(r"\s{2,}", text.strip(), maxsplit=1) for text in told[2].splitlines()[1:])
+    assert rows["STRANGER"] == line
+    assert rows["messages refused"] == "5 by plant: torque_command: no seal 3"
 
 
 def test_limits_cannot_be_judged_without_a_recording(capsys: Any, tmp_path: Path) -> None:

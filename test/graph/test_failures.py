@@ -85,6 +85,7 @@ def test_a_killed_node_is_restarted_where_asked(graph: Any, at: Any, name: str) 
     changes = ("plant.duration=800.0", "launcher.on_node_death=restart", patient)
     out = graph.fly(*changes, display=display)
     assert graph.outcome.restarts == (name,)
+    assert graph.outcome.strangers == ()
     assert "SIGKILL" in display.notes[0]
     assert graph.exit_codes == dict.fromkeys(graph.exit_codes, 0)
     assert "flew 2000 steps: 0 deadlines missed" in (out / "logs" / "plant.log").read_text()
