@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import ClassVar, Final
 
 from spacecraft_gnc.errors import LaunchError
-from spacecraft_gnc.signals.seal import KEY
+from spacecraft_gnc.signals.seal import KEY, OFF
 
 DOMAIN_ID: Final = "ROS_DOMAIN_ID"
 SUPERVISED: Final = "SPACECRAFT_GNC_SUPERVISED"
@@ -101,8 +101,7 @@ def domain_id(environment: Mapping[str, str]) -> int:
 def for_node(base: Mapping[str, str], domain_id: int, key: bytes = b"") -> dict[str, str]:
     """Return the environment of a node process on a domain, of the flight that has a key."""
     environment = dict(base)
-    if key:
-        environment[KEY] = key.hex()
+    environment[KEY] = key.hex() or OFF
     prepare(environment)
     environment[DOMAIN_ID] = str(domain_id)
     environment[SUPERVISED] = "1"

@@ -18,7 +18,7 @@ from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan, 
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
 from spacecraft_gnc.launcher.progress import Display
 from spacecraft_gnc.signals.members import role_of, space_of
-from spacecraft_gnc.signals.seal import key_in
+from spacecraft_gnc.signals.seal import key_in, new_key
 
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
     from spacecraft_gnc.ros.supervisor import Supervisor
@@ -46,7 +46,8 @@ class Launcher:
         self.plan = plan
         self.display = display
         self._born = born
-        self._key = key_in(os.environ)  # whoever set one starts nodes by hand that are to take part
+        given = key_in(os.environ)  # whoever set one starts nodes by hand that are to take part
+        self._key = new_key() if given is None else given
         self._processes: dict[str, NodeProcess] = {}
         self._restarts: list[str] = []
         self._bags = [plan.bag] if plan.records else []

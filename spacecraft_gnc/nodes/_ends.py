@@ -64,7 +64,7 @@ class NodeWithEnds(LifecycleNode):
         simulated = [Parameter("use_sim_time", value=True)]
         super().__init__(name, namespace=namespace, parameter_overrides=simulated)
         self.steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self.key = key_in(os.environ)
+        self.key = key_in(os.environ) or b""
         """Of the flight; empty: no launcher gave one, and nothing is sealed."""
         self._simulated = SimulatedClock(self)
         self._resources = ExitStack()

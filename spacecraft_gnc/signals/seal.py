@@ -21,6 +21,8 @@ from hashlib import blake2s
 from struct import Struct
 from typing import Final
 
+from spacecraft_gnc.errors import GncError
+
 KEY: Final = "SPACECRAFT_GNC_KEY"
 """Environment variable with the key of a flight, in hexadecimal."""
 _MARK: Final = b"\xffGNC"
@@ -29,21 +31,46 @@ _HEAD: Final = Struct("<4s4sQ")  # mark, sender, time [ns] of the machine since 
 SIZE: Final = _HEAD.size + _HASH_SIZE  # [bytes], a multiple of four, to which RTPS pads
 _KEY_SIZE: Final = 16  # [bytes]
 
+OFF: Final = "off"
+"""Value of `KEY` under which nothing is sealed."""
+_LARGEST_KEY: Final = 32  # [bytes]
+
 Cut = Callable[[bytes], "bytes | None"]
 """Returns a message without its seal; None: it has none that fits, or was taken before."""
 
 
-def new_key() -> str:
+class KeyRefused(GncError):
+    """The environment holds something else than a key."""
+
+
+def new_key() -> bytes:
     """Return a random key of a flight."""
-    return secrets.token_hex(_KEY_SIZE)
+    return secrets.token_bytes(_KEY_SIZE)
 
 
-def key_in(environment: Mapping[str, str]) -> bytes:
-    """Return the key of the flight that an environment belongs to; empty: it has none."""
+def key_in(environment: Mapping[str, str]) -> bytes | None:
+    """Return the key of the flight that an environment belongs to; empty: none is wanted.
+
+    None where it says nothing of it.
+
+    Raises
+    ------
+    KeyRefused
+        If it is none.
+    """
+    text = environment.get(KEY, "")
+    if text in ("", OFF):
+        return b"" if text else None
     try:
-        return bytes.fromhex(environment.get(KEY, ""))
+        key = bytes.fromhex(text)
     except ValueError:
-        return b""
+        key = b""
+    if not 1 <= len(key) <= _LARGEST_KEY:
+        raise KeyRefused(
+            f"{KEY}: received {len(text)} characters that are no key; required 2 to "
+            f"{2 * _LARGEST_KEY} hexadecimal digits, or {OFF!r}; unset it"
+        )
+    return key
 
 
 def sealer(key: bytes, topic: str, sender: str) -> Callable[[bytes], bytes]:

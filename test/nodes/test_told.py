@@ -18,7 +18,7 @@ from spacecraft_gnc.signals.graph import WALL_STATUS, WALL_TIMING
 from spacecraft_gnc.signals.members import Place
 from spacecraft_gnc.signals.seal import new_key, opener, sealer
 
-KEY = bytes.fromhex(new_key())
+KEY = new_key()
 TIMING, STATUS = (Place("").topic(signal) for signal in (WALL_TIMING, WALL_STATUS))
 GOOD = WALL_TIMING.encode((2, 0), 5, (1.5, 0.001, math.nan, 3, 0, 0))
 

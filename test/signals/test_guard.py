@@ -21,7 +21,7 @@ from spacecraft_gnc.signals.seal import new_key, sealer
 from spacecraft_gnc.vehicles.rigid_body.signals import SIGNALS as OWN
 from spacecraft_gnc.vehicles.rigid_body.signals import STATE
 
-KEY = bytes.fromhex(new_key())
+KEY = new_key()
 PERIOD = 400_000_000
 WINDOW = Window(PERIOD, 375)
 TOPIC = "/attitude_state"

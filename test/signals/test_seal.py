@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from spacecraft_gnc.signals.seal import (
     KEY,
     SIZE,
+    KeyRefused,
     key_in,
     new_key,
     opener,
@@ -16,7 +17,7 @@ from spacecraft_gnc.signals.seal import (
     without_seal,
 )
 
-FLIGHT = bytes.fromhex(new_key())
+FLIGHT = new_key()
 
 
 @given(data=st.binary(max_size=300))
@@ -41,7 +42,7 @@ def test_no_changed_bit_passes(data: bytes, at: int, bit: int) -> None:
 def test_bytes_of_a_stranger_are_refused(data: bytes) -> None:
     cut = opener(FLIGHT, "/attitude_state")
     assert cut(data) is None
-    assert cut(sealer(bytes.fromhex(new_key()), "/attitude_state", "/plant")(data)) is None
+    assert cut(sealer(new_key(), "/attitude_state", "/plant")(data)) is None
     assert cut(sealer(FLIGHT, "/attitude_reference", "/plant")(data)) is None  # replayed elsewhere
 
 
@@ -60,15 +61,22 @@ def test_a_message_is_taken_once_and_none_older_than_the_last() -> None:
     assert cut(seal(b"2")) == b"2"  # said again by its sender
 
 
-@pytest.mark.parametrize(("text", "key"), [("", b""), ("00ff", b"\x00\xff"), ("no hex", b"")])
-def test_the_key_of_an_environment(text: str, key: bytes) -> None:
+@pytest.mark.parametrize(("text", "key"), [("", None), ("off", b""), ("00ff", b"\x00\xff")])
+def test_the_key_of_an_environment(text: str, key: bytes | None) -> None:
     assert key_in({KEY: text}) == key
-    assert key_in({}) == b""
+    assert key_in({}) is None
+
+
+@pytest.mark.parametrize("text", ["no hex", "0", "00" * 33])
+def test_what_is_no_key_is_refused_and_not_shown(text: str) -> None:
+    with pytest.raises(KeyRefused, match="hexadecimal digits, or 'off'") as refusal:
+        key_in({KEY: text})
+    assert text not in str(refusal.value).replace(str(len(text)), "")
 
 
 def test_keys_of_two_flights_differ() -> None:
     assert new_key() != new_key()
-    assert len(bytes.fromhex(new_key())) == 16
+    assert len(new_key()) == 16
 
 
 def test_ros_reads_sealed_messages() -> None:
