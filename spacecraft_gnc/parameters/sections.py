@@ -152,6 +152,13 @@ class LauncherParameters:
         "what a dead node leads to: the run ends, or the node is restarted",
         choices=("stop", "restart"),
     )
+    on_foreign_transition: str = parameter(
+        Kind.STRING,
+        "refuse",
+        "what a transition leads to that somebody else than the launcher requests: it is refused, "
+        "or the node ends the run",
+        choices=("refuse", "stop"),
+    )
     domain_id: int = parameter(
         Kind.INTEGER,
         -1,
