@@ -14,6 +14,7 @@ from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
 
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.nodes._ends import NodeWithEnds
+from spacecraft_gnc.nodes._services import guard_services
 from spacecraft_gnc.ros.graph_of import members_of
 from spacecraft_gnc.ros.parameters import agent_of_namespace, load_graph
 from spacecraft_gnc.scenario import Fleet, Scenario
@@ -43,7 +44,7 @@ class GncNode(NodeWithEnds):
 
     def __init__(self, namespace: str | None = None) -> None:
         super().__init__(self.ROLE, namespace)
-        self.active = False
+        self.configured = self.active = False
         self.finished = False
         """The node has done its work; the runner ends it."""
         self.failure: Exception | None = None
@@ -55,6 +56,7 @@ class GncNode(NodeWithEnds):
         self._called = False
         self._asked = 0
         self._last_report = -_REPORT_PERIOD
+        guard_services(self)
 
     # What a node is made of, in the order of its life.
 
@@ -138,6 +140,8 @@ class GncNode(NodeWithEnds):
         self.build(self.scenario)
         self._diagnostics = self.advertise(DIAGNOSTICS)
         self.keep_time((0, 0), 0)
+        self.configured = True
+        self.on_close(setattr, self, "configured", False)
         self.open()
         if self.ROLE in READY.publishers:
             self._ready = self.advertise(READY)  # after all others: see `is_unheard`
@@ -210,7 +214,8 @@ class GncNode(NodeWithEnds):
             self._last_report = now
             text = f"{topic}: {reason} (rejected so far: {self.refused})"
             self.get_logger().warning(text)
-            self._report_refusals(text)
+            if self.configured:
+                self._report_refusals(text)
 
     def _report_refusals(self, text: str) -> None:
         counts = {f"rejected {what}": count for what, count in sorted(self.refusals.items())}
