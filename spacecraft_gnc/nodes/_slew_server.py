@@ -9,13 +9,15 @@ from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
-from rclpy.action import ActionServer, CancelResponse
-from rclpy.node import Node
+from rclpy.action import CancelResponse, GoalResponse
 from spacecraft_gnc_msgs.action import SlewTo
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.loop.protocols import State
+from spacecraft_gnc.nodes._action_server import GuardedActionServer
+from spacecraft_gnc.nodes._door import UsersDoor
+from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.ros.slew_client import REFUSED
 from spacecraft_gnc.signals.attitude import SLEW_ACTION
 from spacecraft_gnc.types import Matrix3, Vector3
@@ -48,6 +50,9 @@ class SlewServer:
     ----------
     node
         The node that hosts the action.
+    door
+        What it does not admit is rejected: the client is told no reason, but the server keeps
+        nothing of it either.
     set_target
         Takes a target (3, 3) and tells by an `Answer`, now or later, whether the governor took it.
     tolerance, rate_tolerance
@@ -57,7 +62,8 @@ class SlewServer:
 
     def __init__(
         self,
-        node: Node,
+        node: GncNode,
+        door: UsersDoor,
         set_target: Callable[[Matrix3, Answer], None],
         tolerance: float,
         rate_tolerance: float,
@@ -67,11 +73,13 @@ class SlewServer:
         self._rate_tolerance = rate_tolerance
         self._slew: _Slew | None = None
         self._asked: list[_Slew] = []
-        self._server = ActionServer(
+        self._door = door
+        self._server = GuardedActionServer(
             node,
             SlewTo,
             SLEW_ACTION,
             _result,
+            goal_callback=self._admit,
             handle_accepted_callback=self._accept,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )
@@ -108,6 +116,9 @@ class SlewServer:
         elif state.step % _FEEDBACK_STRIDE == 0:
             feedback = SlewTo.Feedback(step=state.step, error_angle=slew.error, alpha=alpha)
             slew.handle.publish_feedback(feedback)
+
+    def _admit(self, _: Any) -> GoalResponse:
+        return GoalResponse.ACCEPT if self._door.admits(SLEW_ACTION) else GoalResponse.REJECT
 
     def _accept(self, handle: Any) -> None:
         """Put a goal to the governor.

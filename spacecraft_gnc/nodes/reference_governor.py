@@ -11,6 +11,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import GncError, LaunchError
 from spacecraft_gnc.loop.protocols import GovernorDecision
+from spacecraft_gnc.nodes._door import UsersDoor
 from spacecraft_gnc.nodes._governor_watch import GovernorWatch
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._runner import run
@@ -90,12 +91,13 @@ class GovernorNode(GncNode):
             for signal in self._signals
             if GOVERNOR in signal.publishers
         }
+        self._door = UsersDoor(self)
         self._states = self.listen(self._seams.state, self._on_state)
         if self._seams.target is not None:
             self._targets = self.listen(self._seams.target, self._on_target)
         self._slews = None
         if self._steers_attitude:
-            self._slews = SlewServer(self, self._set_target, *self._tolerances)
+            self._slews = SlewServer(self, self._door, self._set_target, *self._tolerances)
             self.on_close(self._slews.destroy)
 
     def start(self) -> None:
@@ -158,6 +160,86 @@ class GovernorNode(GncNode):
         if not self.active:
             return
         wanted = self._targets.signal.value(self._targets.decode(data))
+        if not self._door.admits(self._targets.signal):
+            return
+        if self._seams.target is not None:
+            self._targets = self.listen(self._seams.target, self._on_target)
+        self._slews = None
+        if self._steers_attitude:
+            self._slews = SlewServer(self, self._door, self._set_target, *self._tolerances)
+            self.on_close(self._slews.destroy)
+
+    def start(self) -> None:
+        """Return to the scenario's target."""
+        if self._worker is not None:
+            self._worker.require_end("decision")
+        self._governor.reset()
+        if self._steers_attitude:
+            self._watch.reset()
+        self._step = self._received_step = _NEVER
+        self._waiting: _Received | None = None
+        self._taken: Any = None
+        self._is_first = True
+        self._deciding = self._unheard = False
+        self._skipped = 0
+        self._state_bytes = self._reference_bytes = b""
+        # A fast decision costs less than handing it to another thread and back.
+        self._worker = Worker(self, _compute, _deliver) if self._governor.slow else None
+
+    def stop(self) -> None:
+        """Drop the decision that is under way, and the slew being flown."""
+        if self._worker is not None:
+            self._worker.close()
+        if self._slews is not None:
+            self._slews.stop()
+        if self._skipped:
+            text = f"{self._skipped} steps passed over without an answer"
+            self.diagnose(DiagnosticStatus.WARN, text, {"skipped_steps": self._skipped})
+
+    def progress(self) -> int:
+        """Step received last."""
+        return self._received_step
+
+    # What arrives.
+
+    def _on_state(self, data: bytes) -> None:
+        if not self.active:
+            return
+        if data == self._state_bytes:
+            self._repeat()
+            return
+        joining = self._received_step == _NEVER
+        message = self._states.decode(data, self._received_step)
+        received = _Received(message, self._seams.state.value(message))
+        self._received_step = message.step
+        self.keep_time(message.stamp, message.step)
+        self._state_bytes, self._reference_bytes = data, b""
+        self._waiting = received
+        self._unheard = joining and self.is_unheard(self._received_step)
+        self._decide_next()
+
+    def _repeat(self) -> None:
+        if self._unheard:
+            self._unheard = self.is_unheard(self._received_step)
+        if self._reference_bytes:
+            self._outlets[self._seams.reference](self._reference_bytes)
+        self._decide_next()
+
+    def _on_target(self, data: bytes) -> None:
+        if not self.active:
+            return
+<<<<<<< HEAD
+        wanted = self._targets.signal.value(self._targets.decode(data))
+=======
+        target = self._seams.target
+        assert target is not None  # noqa: S101 - else nothing is listened to
+        try:
+            wanted = target.value(target.decode(data))
+        except Refused as error:
+            self.refuse(target, str(error))
+            return
+        if not self._door.admits(target):
+            return
         if self._steers_attitude:
             wanted = wanted.attitude
         self._set_target(wanted, self._on_target_answered)

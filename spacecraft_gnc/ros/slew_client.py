@@ -86,7 +86,9 @@ def slew(
     goal = SlewTo.Goal(target=Quaternion(x=x, y=y, z=z, w=w), tolerance=tolerance)
     sending = client.send_goal_async(goal, feedback_callback=show)
     if not view.spin_until(sending.done, _PATIENCE) or not sending.result().accepted:
-        raise GraphError(f"{action}: the governor takes no goal now; is it active? Try again")
+        raise GraphError(
+            f"{action}: the governor takes no goal now (not active, or too many of them); try again"
+        )
     handle = sending.result()
     result = handle.get_result_async()
     if not view.spin_until(result.done):
