@@ -26,7 +26,6 @@ from rclpy.executors import Executor
 from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
-from rclpy.logging import get_logger
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
@@ -214,17 +213,21 @@ def _start(nodes: Sequence[GncNode]) -> None:
 
 def _spin(executor: Executor, nodes: Sequence[GncNode], stop: _StopRequest) -> None:
     while not stop and not any(node.finished for node in nodes):
-        _spin_once(executor, _SPIN)
+        _spin_once(executor, nodes[0], _SPIN)
 
 
-def _spin_once(executor: Executor, timeout: float) -> None:
-    """Handle one event, if one comes."""
+def _spin_once(executor: Executor, node: GncNode, timeout: float) -> None:
+    """Handle one event, if one comes.
+
+    A callback takes care of what its message or request leads to; here ends what cannot even be
+    taken. An executor does not tell whose it was, so ``node`` refuses it for all.
+    """
     try:
         executor.spin_once(timeout_sec=timeout)
     except InvalidHandle:
         pass  # an event of an endpoint that was destroyed meanwhile: nobody waits for it
-    except _RCLError as error:  # such as a transition that the life cycle does not know
-        get_logger("spacecraft_gnc").warning(f"a request was refused: {error}")
+    except _RCLError as error:
+        node.refuse("ROS 2", str(error))
 
 
 def _end(executor: Executor, nodes: Sequence[GncNode]) -> None:
@@ -251,4 +254,4 @@ def _drain(executor: Executor, node: GncNode) -> None:
     while handled != node.progress():
         handled = node.progress()
         for _ in range(_DRAIN_ROUNDS):
-            _spin_once(executor, 0.0)
+            _spin_once(executor, node, 0.0)
