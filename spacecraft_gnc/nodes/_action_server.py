@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from spacecraft_gnc.nodes._node import GncNode
 
 _RESULT_KEPT: Final = 10  # [s] wall after the end of a goal; rclpy's 900 s keep every goal at hand
-_MOST_WAITING: Final = 16  # requests for the result of one goal that has not ended
+# Requests for the result of one goal that has not ended. They are answered together, and what is
+# queued for a client of the action (10 answers, its own or not) must not push its own out.
+_MOST_WAITING: Final = 4
 
 
 class GuardedActionServer(ActionServer):

@@ -294,8 +294,8 @@ def test_results_of_goals_that_there_are_not_and_of_one_goal_too_often(flight: F
     for count in range(2, 32):
         answers.append(flight.ask(kind, "get_result", request))
         flight.ros.spin_until(lambda count=count: sum(waiting.values()) == count)
-    flight.ros.spin_until(lambda: sum(future.done() for future in answers) == 15)
-    assert flight.governor.refused == 15
+    flight.ros.spin_until(lambda: sum(future.done() for future in answers) == 27)
+    assert flight.governor.refused == 27
     flight.fly(0.5)
     assert flight.result(result)[1].reached
     flight.ros.spin_until(lambda: all(future.done() for future in answers))
