@@ -17,6 +17,8 @@ SUPERVISED: Final = "SPACECRAFT_GNC_SUPERVISED"
 """Set for a node that the launcher started: the end of its standard input ends the node."""
 LOG: Final = "SPACECRAFT_GNC_LOG"
 """Where a node that the launcher started writes once the launcher has gone."""
+MEMORY: Final = "SPACECRAFT_GNC_MEMORY"
+"""Descriptor of the open file in which a node's memory outlives its process."""
 TELL_WHERE: Final = signal.SIGUSR1
 """Makes a node that the launcher started write to its log where every thread is."""
 _LARGEST_DOMAIN = 232  # UDP ports end at 65535

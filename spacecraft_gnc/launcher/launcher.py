@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Final
 from spacecraft_gnc.errors import LaunchError
 from spacecraft_gnc.launcher import domain, environment
 from spacecraft_gnc.launcher.deadlines import lateness
+from spacecraft_gnc.launcher.memories import Memories
 from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, NodeRefused, Outcome
 from spacecraft_gnc.launcher.plan import COMPOSED, PLANT, RECORDER, LaunchPlan, node_options
 from spacecraft_gnc.launcher.process import NodeProcess, end_all
@@ -50,6 +51,7 @@ class Launcher:
         self._key = new_key() if given is None else given
         self._processes: dict[str, NodeProcess] = {}
         self._restarts: list[str] = []
+        self._memories = Memories(plan.restart)
         self._bags = [plan.bag] if plan.records else []
         self._startup_time = math.nan
         self._signal = 0
@@ -83,6 +85,7 @@ class Launcher:
             with self._signals():
                 supervisor = self._fly()
         finally:
+            self._memories.close()
             lock.release()
         progress = supervisor.progress
         return Outcome(
@@ -146,7 +149,8 @@ class Launcher:
         if space_of(name):
             arguments += ["-r", f"__ns:=/{space_of(name)}"]
         log = self.plan.logs / f"{name.replace('/', '.')}.log"
-        self._processes[name] = NodeProcess(name, arguments, self._environment, log)
+        environment, inherited = self._memories.of(name, self._environment)
+        self._processes[name] = NodeProcess(name, arguments, environment, log, inherited)
 
     def _bring_up(self, supervisor: Supervisor) -> None:
         """Wait until the first step has started."""

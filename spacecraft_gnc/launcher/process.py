@@ -34,10 +34,17 @@ class NodeProcess:
         Complete environment variables.
     log
         File for stdout and stderr; appended to.
+    inherited
+        Descriptors of open files that it inherits.
     """
 
     def __init__(
-        self, name: str, arguments: Sequence[str], environment: Mapping[str, str], log: Path
+        self,
+        name: str,
+        arguments: Sequence[str],
+        environment: Mapping[str, str],
+        log: Path,
+        inherited: Sequence[int] = (),
     ) -> None:
         self.name = name
         self.log = log
@@ -49,6 +56,7 @@ class NodeProcess:
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             env={**environment, LOG: str(log.absolute())},
+            pass_fds=inherited,
             start_new_session=True,  # Ctrl-C reaches only the launcher, which ends us in order
         )
         self._output = Output(cast("IO[bytes]", self._popen.stdout), log)

@@ -108,10 +108,6 @@ class MemoryFile:
             self._map[half * _HALF : half * _HALF + _MEMORY.size] = bytes(_MEMORY.size)
         self._is_open = False
 
-    def close(self) -> None:
-        """Give the mapping back; the file stays."""
-        self._map.close()
-
     @property
     def _number_here(self) -> int:
         return self._number_of(self._half)

@@ -7,6 +7,7 @@ of numbers, and tuples of plain values. Arrays keep shape, type and whether they
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
@@ -17,7 +18,10 @@ _NUMBER: Final = struct.Struct("<d")
 _ARRAY: Final = struct.Struct("<cBB")  # kind of its numbers, whether it is read-only, dimensions
 _NONE, _TRUE, _FALSE = b"n", b"t", b"f"
 _INT, _FLOAT, _TEXT, _BYTES, _TUPLE, _NUMBERS = b"i", b"d", b"s", b"b", b"(", b"a"
+_WORDS: Final = {_NONE: None, _TRUE: True, _FALSE: False}
+_SCALARS: Final = {_INT: _INTEGER, _FLOAT: _NUMBER}
 _KINDS: Final = {b"d": np.dtype("<f8"), b"q": np.dtype("<i8"), b"?": np.dtype("?")}
+_READ: Final[dict[bytes, Callable[[bytes], Any]]] = {_TEXT: bytes.decode, _BYTES: bytes}
 _KIND_OF: Final = {kind: letter for letter, kind in _KINDS.items()}
 
 
@@ -84,12 +88,11 @@ def _add_sized(parts: list[bytes], tag: bytes, data: bytes) -> None:
 
 def _read(data: bytes, at: int) -> tuple[Any, int]:
     tag, at = data[at : at + 1], at + 1
-    if tag in (_NONE, _TRUE, _FALSE):
-        return {_NONE: None, _TRUE: True, _FALSE: False}[tag], at
-    if tag == _INT:
-        return _INTEGER.unpack_from(data, at)[0], at + _INTEGER.size
-    if tag == _FLOAT:
-        return _NUMBER.unpack_from(data, at)[0], at + _NUMBER.size
+    if tag in _WORDS:
+        return _WORDS[tag], at
+    if tag in _SCALARS:
+        scalar = _SCALARS[tag]
+        return scalar.unpack_from(data, at)[0], at + scalar.size
     if tag == _NUMBERS:
         return _read_array(data, at)
     (length,) = _LENGTH.unpack_from(data, at)
@@ -103,7 +106,7 @@ def _read(data: bytes, at: int) -> tuple[Any, int]:
     found = data[at : at + length]
     if len(found) < length:
         raise IndexError
-    return {_TEXT: bytes.decode, _BYTES: bytes}[tag](found), at + length
+    return _READ[tag](found), at + length
 
 
 def _read_array(data: bytes, at: int) -> tuple[Any, int]:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any, ClassVar, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from spacecraft_gnc.loop.memory_file import Inputs
+from spacecraft_gnc.loop.past import Past
 from spacecraft_gnc.loop.protocols import Command
 from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.nodes._past import past_of
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._worker import Worker, pace_core
 from spacecraft_gnc.ros.graph_of import outputs_of, vehicle_signals
@@ -34,6 +38,8 @@ class _Job(NamedTuple):
     """Wall time at which the state came [s]."""
     begun: float
     """Wall time at which the answer was begun [s]."""
+    told: Inputs
+    """Messages of state and reference."""
 
 
 class ControllerNode(GncNode):
@@ -47,12 +53,14 @@ class ControllerNode(GncNode):
     """
 
     ROLE: ClassVar[str] = CONTROLLER
+    _past: Past | None = None
 
     def build(self, scenario: Scenario) -> None:
         """Build the controller and load its kernels."""
         self._controller = self._own(scenario.build_controller())
         pace_core(self._controller, scenario)
         self._controller.warm_up()
+        self._past = past_of(self, self._controller, self._answer_again, self._past)
         self._worker: Worker[_Job, Command] | None = None
         self._period_ns = period_ns(self._controller.period)
         self._signals = vehicle_signals(scenario.vehicle)
@@ -82,7 +90,9 @@ class ControllerNode(GncNode):
         if self._worker is not None:
             self._worker.require_end("solve")
         self._controller.reset()
-        self._state_bytes = self._command_bytes = b""
+        if self._past is not None:
+            self._past.begin()
+        self._state_bytes = self._reference_bytes = self._command_bytes = b""
         self._state: Any = None
         self._reference: Any = None
         self._step = self._reference_step = self._answered = _NEVER
@@ -134,6 +144,7 @@ class ControllerNode(GncNode):
         message = self._references.decode(data, self._reference_step)
         self._reference = self._seams.reference.value(message)
         self._reference_step = message.step
+        self._reference_bytes = data
         self._answer_if_due()
 
     def _on_tick(self) -> None:
@@ -153,7 +164,8 @@ class ControllerNode(GncNode):
                 self._skipped += step - self._answered - 1
             self._answered = step
             begun = time.perf_counter()
-            self._answer(_Job(self._stamp, step, state, reference, self._arrival, begun))
+            told = self._state_bytes, self._reference_bytes
+            self._answer(_Job(self._stamp, step, state, reference, self._arrival, begun, told))
 
     @property
     def _busy(self) -> bool:
@@ -166,7 +178,16 @@ class ControllerNode(GncNode):
             self._worker.give(job)
 
     def _solve(self, job: _Job) -> Command:
-        return self._controller.command(job.state, job.reference)
+        compute = partial(self._controller.command, job.state, job.reference)
+        return compute() if self._past is None else self._past.answer(job.step, job.told, compute)
+
+    def _answer_again(self, told: Inputs) -> None:
+        """Answer a step once more that another process answered."""
+        state, reference = self._seams.state, self._seams.reference
+        self._controller.command(
+            state.value(state.decode(told[0], _NEVER)),
+            reference.value(reference.decode(told[1], _NEVER)),
+        )
 
     def _on_solved(self, job: _Job, command: Command) -> None:
         self._publish(job, command)

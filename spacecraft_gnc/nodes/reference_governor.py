@@ -10,10 +10,13 @@ from typing import Any, ClassVar, NamedTuple
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from spacecraft_gnc.errors import GncError, LaunchError
+from spacecraft_gnc.loop.memory_file import Inputs
+from spacecraft_gnc.loop.past import Past
 from spacecraft_gnc.loop.protocols import GovernorDecision
 from spacecraft_gnc.nodes._door import UsersDoor
 from spacecraft_gnc.nodes._governor_watch import GovernorWatch
 from spacecraft_gnc.nodes._node import GncNode
+from spacecraft_gnc.nodes._past import past_of
 from spacecraft_gnc.nodes._runner import run
 from spacecraft_gnc.nodes._slew_server import Answer, SlewServer
 from spacecraft_gnc.nodes._worker import Worker, pace_core
@@ -33,6 +36,8 @@ class _Received(NamedTuple):
 
     message: Message
     state: Any
+    told: Inputs
+    """Message of the state."""
 
 
 class _Job(NamedTuple):
@@ -63,12 +68,14 @@ class GovernorNode(GncNode):
     """
 
     ROLE: ClassVar[str] = GOVERNOR
+    _past: Past | None = None
 
     def build(self, scenario: Scenario) -> None:
         """Build the governor and load its kernels."""
         self._governor = scenario.build_governor()
         pace_core(self._governor, scenario)
         self._governor.warm_up()
+        self._past = past_of(self, self._governor, self._decide_again, self._past)
         self._worker: Worker[_Job, Any] | None = None
         self._has_announced = False
         self._signals = vehicle_signals(scenario.vehicle)
@@ -105,6 +112,8 @@ class GovernorNode(GncNode):
         if self._worker is not None:
             self._worker.require_end("decision")
         self._governor.reset()
+        if self._past is not None:
+            self._past.begin()
         if self._steers_attitude:
             self._watch.reset()
         self._step = self._received_step = _NEVER
@@ -141,7 +150,7 @@ class GovernorNode(GncNode):
             return
         joining = self._received_step == _NEVER
         message = self._states.decode(data, self._received_step)
-        received = _Received(message, self._seams.state.value(message))
+        received = _Received(message, self._seams.state.value(message), (data, b""))
         self._received_step = message.step
         self.keep_time(message.stamp, message.step)
         self._state_bytes, self._reference_bytes = data, b""
@@ -188,6 +197,8 @@ class GovernorNode(GncNode):
         except GncError as error:
             return error
         self._taken = target
+        if self._past is not None:
+            self._past.take_target(target)
         return None
 
     def _decide_next(self) -> None:
@@ -198,17 +209,35 @@ class GovernorNode(GncNode):
             self._skipped += received.message.step - self._step - 1
         self._step = received.message.step
         self._waiting, self._deciding = None, True
-        decide = partial(self._decide, self._step, received.state)
+        decide = partial(self._decide, self._step, received)
         self._ask(_Job(decide, partial(self._publish, received)))
 
-    def _decide(self, step: int, state: Any) -> _Decided:
+    def _decide(self, step: int, received: _Received) -> _Decided:
+        if self._past is not None:
+            self._take_up(step, self._past)
         taken, self._taken = self._taken, None
         is_anew = self._is_first and (step > 0 or self._has_announced)
         if taken is None and is_anew and not getattr(self._governor, "moves", False):
             taken = self._governor.target  # what was announced counts no more
         self._is_first = False
         self._has_announced |= taken is not None
-        return _Decided(self._governor.decide(state), self._governor.target, taken)
+        decide = partial(self._governor.decide, received.state)
+        past = self._past
+        decision = decide() if past is None else past.answer(step, received.told, decide)
+        return _Decided(decision, self._governor.target, taken)
+
+    def _take_up(self, step: int, past: Past) -> None:
+        """Before the first decision: go on where another process ended."""
+        past.take_up(step)
+        if self._is_first and past.is_taken_up:
+            self._is_first = False  # what was announced still counts
+            if past.has_news:
+                self._taken = self._governor.target
+
+    def _decide_again(self, told: Inputs) -> None:
+        """Answer a step once more that another process answered."""
+        state = self._seams.state
+        self._governor.decide(state.value(state.decode(told[0], _NEVER)))
 
     def _ask(self, job: _Job) -> None:
         if self._worker is None:

@@ -99,6 +99,13 @@ class SlsqpSolver:
 
         self._plain.cost(np.zeros((self.ocp.horizon, self.ocp.n_controls)), np.eye(3), np.zeros(3))
 
+    def memory(self) -> tuple[()]:
+        """Return what the next solve takes over from those before: nothing."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing is remembered."""
+
     def solve(
         self,
         attitude: ArrayLike,
@@ -218,6 +225,13 @@ class FsolveSolver:
     def warm_up(self) -> None:
         """Compile or load the kernels."""
         self.solve(np.eye(3), np.zeros(3))
+
+    def memory(self) -> tuple[()]:
+        """Return what the next solve takes over from those before: nothing."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing is remembered."""
 
     def solve(
         self,

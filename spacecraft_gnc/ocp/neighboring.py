@@ -26,6 +26,7 @@ import math
 from dataclasses import dataclass
 from threading import Lock
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -143,6 +144,21 @@ class NeighboringExtremal:
     def forget(self) -> None:
         """Forget the last optimum, as where another solution was flown; keep the counts."""
         self._age = self._max_age
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return what the next step takes over: the last optimum and its factorization."""
+        counts = (self._age, self.corrected, self.solved)
+        numbers = (self._curvature, self.error_bound, self.largest_error)
+        return (*self._work, self._rows, self._target, self._motion, counts, numbers)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the sequence did whose `memory` it is."""
+        *work, rows, target, motion, counts, numbers = memory
+        for mine, kept in zip((*self._work, self._rows), (*work, rows), strict=True):
+            mine[...] = kept
+        self._age, self.corrected, self.solved = counts
+        self._curvature, self.error_bound, self.largest_error = numbers
+        self._remember(target, motion)
 
     @property
     def hit_rate(self) -> float:

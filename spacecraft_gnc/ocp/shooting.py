@@ -29,7 +29,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from threading import Lock
 from time import perf_counter
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -361,6 +361,15 @@ class ShootingSolver:
     def kept(self) -> NDArray[np.int64]:
         """(4,) whether the work space holds a factorization, and the limits that acted there."""
         return self.work[1]
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return what the next solve takes over from those before: nothing without a chord."""
+        return self.work if self.options.step_rule == "chord" else ()
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Solve next as the solver did whose `memory` it is."""
+        for mine, kept in zip(self.work, memory, strict=False):
+            mine[...] = kept
 
     def warm_up(self) -> None:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""

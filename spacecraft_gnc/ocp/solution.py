@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from typing_extensions import Self
 
 from spacecraft_gnc.ocp.reference import RESTING
 from spacecraft_gnc.status import Status
@@ -74,6 +75,16 @@ class Solution(NamedTuple):
             f"{self.residual:.2g}, cost {self.cost:.6g}, {error:.4g} deg from the reference, "
             f"{len(self.torques)} steps, {1e6 * self.solve_time:.3g} us)"
         )
+
+    def plain(self) -> tuple[Any, ...]:
+        """Return its fields as numbers, texts and arrays alone; of the problem, nothing."""
+        return tuple(self._replace(ocp=None, status=int(self.status)))  # type: ignore[arg-type]
+
+    @classmethod
+    def of_plain(cls, fields: tuple[Any, ...], ocp: AttitudeOcp) -> Self:
+        """Return the solution of a problem whose `plain` fields these are."""
+        found = cls(*fields)
+        return found._replace(ocp=ocp, status=Status(found.status))
 
     @property
     def tracked(self) -> Reference:

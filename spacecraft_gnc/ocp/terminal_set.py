@@ -157,6 +157,14 @@ class TerminalSetSolver:
         other = TerminalSetSolver(self.ocp.with_horizon(horizon), self._newton.options)
         return other.solve(*problem).converged
 
+    def memory(self) -> tuple[float]:
+        """Return what the next solve takes over from those before: log(1 + nu)."""
+        return (self._last,)
+
+    def recall(self, memory: tuple[float]) -> None:
+        """Solve next as the solver did whose `memory` it is."""
+        (self._last,) = memory
+
     def warm_up(self) -> None:
         """Compile or load the kernels, so that the first `solve` in flight costs no more."""
         self.solve(IDENTITY, np.zeros(3))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -51,6 +52,16 @@ class FallbackLadder:
         self._plan: Solution | None = None
         self._plan_step = 0
         self._neighborhood: Linearization | None = None
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the last good plan, and the step that it was made at."""
+        return None if self._plan is None else self._plan.plain(), self._plan_step
+
+    def recall(self, memory: tuple[Any, ...], ocp: AttitudeOcp) -> None:
+        """Take the plan of a `memory`, of that problem."""
+        plan, self._plan_step = memory
+        self._plan = None if plan is None else Solution.of_plain(plan, ocp)
+        self._neighborhood = None
 
     def command(self, state: State, reference: Reference, solution: Solution | None) -> Command:
         """Return the command of the highest rung that holds at ``state``."""
