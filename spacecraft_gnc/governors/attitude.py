@@ -10,6 +10,7 @@ Source: Kalabic et al. 2014, (11), (14), (15) and Algorithm 1.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -234,3 +235,27 @@ class AttitudeGovernor:
         self._idle = self._idle + 1 if step.kept is None and resting else 0
         if self._idle >= _PATIENCE and self._planned_from is not held:
             self._plan(held)
+
+    # --- what outlives the process ----------------------------------------------------------------
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return target, reference and the way round; None where the predictor does not tell its.
+
+        The reference from which the way was planned counts as the last one, or as another.
+        """
+        tell = getattr(self.predictor, "memory", None)
+        kept = None if tell is None else tell()
+        if kept is None:
+            return None
+        is_here = self._planned_from is self._reference
+        way = (tuple(self._route), self._obstacle, self._planned_from, is_here, self._idle)
+        return self._target, self._reference, way, kept
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the governor did whose `memory` it is."""
+        self._target, self._reference, way, kept = memory
+        route, obstacle, planned_from, is_here, self._idle = way
+        self._route = list(route)
+        self._obstacle = None if obstacle is None else Prediction(*obstacle)
+        self._planned_from = self._reference if is_here else planned_from
+        self.predictor.recall(kept)  # type: ignore[attr-defined]

@@ -130,6 +130,21 @@ class ControllerLoopPredictor:
     def reset(self) -> None:
         """Do nothing: predictions have no memory."""
 
+    def memory(self) -> tuple[()] | None:
+        """Return nothing; None where the controller tells none, as it may keep something."""
+        tell = getattr(self._controller, "memory", None)
+        return None if tell is None or self._keeps_chord or tell() is None else ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing is remembered."""
+
+    @property
+    def _keeps_chord(self) -> bool:
+        """Whether the solver takes its Jacobian from one prediction to the next."""
+        solver = getattr(self._controller, "solver", None)
+        options = getattr(getattr(solver, "solver", solver), "options", None)
+        return getattr(options, "step_rule", "") == "chord"
+
     def predict(self, state: State, reference: Matrix3, reserve: float = 0.0) -> Prediction:
         """Fly the loop from ``state`` under ``reference`` (3, 3); see `prediction.Predictor`."""
         if reserve > 0.0:

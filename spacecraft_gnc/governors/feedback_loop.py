@@ -112,6 +112,13 @@ class FeedbackPredictor:
     def reset(self) -> None:
         """Nothing is remembered."""
 
+    def memory(self) -> tuple[()]:
+        """Return nothing."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing is remembered."""
+
     def predict(self, state: State, reference: Matrix3, reserve: float = 0.0) -> Prediction:
         """Predict the loop from ``state`` under a constant ``reference`` (3, 3).
 

@@ -12,6 +12,7 @@ is started anew in flight goes on where it was.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -96,6 +97,14 @@ class TurningReference:
         self._target = self._start = self._initial
         self._first = 0
 
+    def memory(self) -> tuple[Any, ...]:
+        """Return where the turn started, and the target."""
+        return self._target, self._start, self._first
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the governor did whose `memory` it is."""
+        self._target, self._start, self._first = memory
+
     def decide(self, state: State) -> GovernorDecision:
         """Return the reference of the state's step, whatever the rest of the state is."""
         if self._first < 0:
@@ -175,6 +184,14 @@ class StoredTrajectory:
     def reset(self) -> None:
         """Return to the first row."""
         self._target = self._spline.attitude(0.0)
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the attitude of the last step; the next one follows from its number."""
+        return (self._target,)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the governor did whose `memory` it is."""
+        (self._target,) = memory
 
     def decide(self, state: State) -> GovernorDecision:
         """Return the reference of the state's step, whatever the rest of the state is."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -50,6 +51,14 @@ class PassThroughGovernor:
     def reset(self) -> None:
         """Return to the target of the scenario."""
         self.set_target(self._initial)
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the target."""
+        return (self._target,)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on toward the target of a `memory`."""
+        self.set_target(*memory)
 
     def decide(self, state: State) -> GovernorDecision:
         """Return the target, whatever the state."""

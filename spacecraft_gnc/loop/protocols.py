@@ -138,7 +138,14 @@ class Controller(Protocol[S_contra, R_contra]):
     """Method name, as in the scenario's ``method:``."""
     slow: bool
     """Whether a command may take longer than some milliseconds: a node then computes it in a
-    thread of its own, and never two at a time. A class may also declare its ``traits``
+    thread of its own, and never two at a time.
+
+    A class may also have ``memory()``: what of the past the next command depends on, as a tuple of
+    plain values (`loop.plain`), or None where that cannot be told now; and ``recall(memory)``, from
+    which on one that is built of the same scenario goes on as that one would have, to the last bit.
+    Of a class without them, a restarted node answers all steps again (`loop.past`).
+
+    A class may also declare its ``traits``
     (`vehicles.vehicle.MethodTraits`). One that computes something beside its commands, in a thread
     of its own, has an attribute ``waits``: whether a step waits for what is due at it, which makes
     flights repeatable; a node that keeps to wall time sets it to false."""
@@ -161,7 +168,8 @@ class Governor(Protocol[S_contra, R]):
     says ``moves = True`` (`vehicles.vehicle.GovernorLaw`)."""
     slow: bool
     """Whether a decision may take longer than some milliseconds: a node then makes it in a thread
-    of its own, and never two at a time. ``waits`` is that of a `Controller`."""
+    of its own, and never two at a time. ``waits``, ``memory`` and ``recall`` are those of a
+    `Controller`; targets taken belong to the memory."""
 
     @property
     def target(self) -> R:

@@ -84,6 +84,8 @@ class Solution(NamedTuple):
     def of_plain(cls, fields: tuple[Any, ...], ocp: AttitudeOcp) -> Self:
         """Return the solution of a problem whose `plain` fields these are."""
         found = cls(*fields)
+        if found.terminal_multiplier > 0.0:
+            ocp = ocp.weighted(found.terminal_multiplier)  # type: ignore[attr-defined]
         return found._replace(ocp=ocp, status=Status(found.status))
 
     @property

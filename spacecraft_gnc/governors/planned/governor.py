@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from spacecraft_gnc.arguments import require_kind
 from spacecraft_gnc.governors.planned.keeper import PlanKeeper
@@ -58,6 +59,15 @@ class PlannedGovernor:
         """Return to the first plan and its target."""
         self._target = self.keeper.goal
         self.keeper.reset()
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the target, and what the keeper keeps."""
+        return self._target, self.keeper.memory()
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the governor did whose `memory` it is."""
+        self._target, kept = memory
+        self.keeper.recall(kept)
 
     def decide(self, state: State) -> GovernorDecision:
         """Return what of the plan belongs to the step that starts at ``state``."""

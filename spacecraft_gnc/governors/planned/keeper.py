@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Future
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, as_limit, require_kind
 from spacecraft_gnc.dynamics import RigidBody
-from spacecraft_gnc.errors import GncError
+from spacecraft_gnc.errors import GncError, ParameterError
 from spacecraft_gnc.governors.planned.guard import BoundGuard
 from spacecraft_gnc.governors.planned.motion import PlannedMotion
 from spacecraft_gnc.governors.planned.replanner import Replanner
@@ -33,6 +33,8 @@ class _Search(NamedTuple):
     first_step: int
     cause: Cause
     goal: Matrix3
+    asked: tuple[Any, ...]
+    """Arguments of `Replanner.ask`, which tell the answer."""
     answer: Future[TransferSolution | None]
 
 
@@ -99,10 +101,42 @@ class PlanKeeper:
         """Return to the first plan, which begins with the step that is asked for next."""
         self._motion = PlannedMotion(self._first, 0, self._plant_step)
         self._number = -1
+        self._asked: tuple[Any, ...] | None = None  # for the plan that is flown; None: the first
         self._search: _Search | None = None
         self._cause: Cause | None = None
         self._target = self.goal
         self._failed, self._next_search, self._pause = False, 0, _PAUSE
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return what is flown and sought, each by what was asked for, and why."""
+        search = self._search
+        sought = None if search is None else (*search[:3], search.asked)
+        flown = self._number, self._motion.first_step, self._asked
+        pauses = self._failed, self._next_search, self._pause
+        return flown, sought, self._cause, self._target, pauses
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the keeper did whose `memory` it is; its plans are made again.
+
+        Raises
+        ------
+        GncError
+            If none is found, which cannot be where the keepers are equal.
+        """
+        flown, sought, cause, self._target, pauses = memory
+        self._number, first_step, self._asked = flown
+        self._failed, self._next_search, self._pause = pauses
+        self._cause = None if cause is None else Cause(cause)
+        found = self._first if self._asked is None else self._replanner.find(*self._asked)
+        if found is None:
+            raise ParameterError(
+                "memory: received one of a plan that is not found again; required an equal keeper"
+            )
+        self._motion = PlannedMotion(found, first_step, self._plant_step)
+        self._search = None
+        if sought is not None:
+            step, why, goal, asked = sought
+            self._search = _Search(step, Cause(why), goal, asked, self._replanner.ask(*asked))
 
     def look(self, state: State, target: Matrix3) -> PlanReport:
         """Return what belongs to the step that starts at ``state``; `seek` is to follow.
@@ -160,8 +194,9 @@ class PlanKeeper:
         left = self._motion.first_step + self._motion.n_steps - first_step
         if self._cause is Cause.DEVIATION:
             steps = max(left, 1)
-        answer = self._replanner.ask(*start, self._target, steps)
-        self._search = _Search(first_step, self._cause, self._target, answer)
+        asked = (*start, self._target, steps)
+        answer = self._replanner.ask(*asked)
+        self._search = _Search(first_step, self._cause, self._target, asked, answer)
 
     def _take(self, step: int) -> tuple[Planned, ...]:
         """Take the plan that is due, and return it."""
@@ -177,6 +212,7 @@ class PlanKeeper:
         if found is None:
             self._fail(step)
             return ()
+        self._asked = search.asked
         return (self._begin(found, search.first_step, search.cause),)
 
     def _begin(self, plan: TransferSolution, first_step: int, cause: Cause) -> Planned:

@@ -12,6 +12,8 @@ formation is reached. The transitions left only ever decrease, so that this ends
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from spacecraft_gnc.governors.time_shift import choice
@@ -49,6 +51,18 @@ class DeadlockWatch:
         self._passages: Passages | None = None
         self.is_deadlocked = False
         """From when it is noticed; with a passage, until the desired formation is reached."""
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return what was noticed; None on a passage around craft that drift as they did then."""
+        way = self._passages
+        if way is not None and way.is_whole:
+            return None
+        return self._parked_for, self._lost, way is not None, self.is_deadlocked
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the watch did whose `memory` it is; its passages are searched again."""
+        self._parked_for, self._lost, has_way, self.is_deadlocked = memory
+        self._passages = passages(self._predictor, self._lost) if has_way else None
 
     def warm_up(self) -> None:
         """Search the passages of the whole formation."""

@@ -10,7 +10,7 @@ Source: report of AFRL (Kolmanovsky 2016), section 3.3, (14)-(20).
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -71,6 +71,17 @@ class TimeShiftGovernor:
         self._watch.reset()
         self._shifts: Integers | None = None
         self._last: tuple[int, Array, Array] | None = None
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return the last shifts and what was observed; None while the watch has none."""
+        watch = self._watch.memory()
+        return None if watch is None else (self._shifts, self._last, self._monitor.memory(), watch)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the governor did whose `memory` it is."""
+        self._shifts, self._last, monitor, watch = memory
+        self._monitor.recall(monitor)
+        self._watch.recall(watch)
 
     def warm_up(self) -> None:
         """Compile, or load, everything that a step calls, and search the passages."""

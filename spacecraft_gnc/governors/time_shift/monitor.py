@@ -7,7 +7,7 @@ craft whose response to a delta-v above a threshold is below one half is lost, a
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -40,6 +40,14 @@ class CraftMonitor:
     def reset(self) -> None:
         """Forget everything; all craft answer."""
         self.lost: Mask = np.zeros(self._problem.n_craft, dtype=np.bool_)
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return which craft are lost."""
+        return (self.lost,)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the monitor did whose `memory` it is."""
+        (self.lost,) = memory
 
     def observe(self, before: Array, asked: Array, after: Array) -> Array:
         """Note the states (n, 6) at both ends of a sample and the delta-v (n, 3) asked for.

@@ -146,6 +146,15 @@ class WheelMonitor:
         self._before: WheelState | None = None
         self._healthy = np.ones(len(self.test.offset), dtype=bool)
 
+    def memory(self) -> tuple[Any, ...]:
+        """Return the last state, and which wheels count as answering."""
+        return self._before, self._healthy
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the monitor did whose `memory` it is."""
+        before, self._healthy = memory
+        self._before = None if before is None else WheelState(*before)
+
     def observe(self, state: WheelState) -> Reading:
         """Compare the speeds of ``state`` with those of the step before and with its command."""
         before, self._before = self._before, state

@@ -42,6 +42,13 @@ class LqrController:
     def reset(self) -> None:
         """Nothing to forget: a command follows from state and reference alone."""
 
+    def memory(self) -> tuple[()]:
+        """Return nothing."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing to remember."""
+
     def command(self, state: RelativeState, reference: RelativeReference) -> Command:
         """Return force and moment (6,) for the control step that starts at ``state``.
 

@@ -61,6 +61,14 @@ class Abort:
         """Forget the plan."""
         self._chosen: int | None = None
 
+    def memory(self) -> tuple[int | None]:
+        """Return the attitude chosen last."""
+        return (self._chosen,)
+
+    def recall(self, memory: tuple[int | None]) -> None:
+        """Go on as the abort did whose `memory` it is."""
+        (self._chosen,) = memory
+
     def decide(self, state: RelativeState, lost: int) -> DockingDecision:
         """Return the reference of the step that starts at ``state``, with a direction lost."""
         motion = state.measured

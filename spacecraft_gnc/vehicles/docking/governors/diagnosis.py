@@ -12,7 +12,7 @@ noise of two measurements. A false alarm in a component is then once in some 10^
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -79,6 +79,17 @@ class ThrusterMonitor:
         self._before: _Seen | None = None
         self._lost = -1
         self._error = math.nan
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return what was seen last, and what was concluded."""
+        return self._before, self._lost, self._error
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the monitor did whose `memory` it is."""
+        before, self._lost, self._error = memory
+        if before is not None:
+            step, center, motion = before
+            self._before = _Seen(step, center, Navigation(*motion))
 
     def look(self, state: RelativeState) -> tuple[int, float]:
         """Return the direction concluded lost, -1: none, and the miss over the last step [m/s]."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -98,6 +98,22 @@ class DockingGovernor:
             self._monitor.reset()
         if self._abort is not None:
             self._abort.reset()
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return target and reference, and what monitor and abort keep."""
+        monitor = None if self._monitor is None else self._monitor.memory()
+        abort = None if self._abort is None else self._abort.memory()
+        return self._target, self._governor.reference, monitor, abort
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the governor did whose `memory` it is."""
+        target, reference, monitor, abort = memory
+        self._target = RelativeReference(*target)
+        self._governor.reset(reference)
+        if self._monitor is not None:
+            self._monitor.recall(monitor)
+        if self._abort is not None:
+            self._abort.recall(abort)
 
     def decide(self, state: RelativeState) -> DockingDecision:
         """Return the reference of the control step that starts at ``state``, as measured."""

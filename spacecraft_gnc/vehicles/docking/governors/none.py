@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from spacecraft_gnc.arrays import as_finite
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.docking.decision import DockingDecision, passed
@@ -46,6 +48,14 @@ class PassThroughGovernor:
     def reset(self) -> None:
         """Return to the scenario's target."""
         self.set_target(self._first)
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the target."""
+        return (self._target,)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on toward the target of a `memory`."""
+        self.set_target(RelativeReference(*memory[0]))
 
     def decide(self, state: RelativeState) -> DockingDecision:
         """Return the target, whatever the state."""

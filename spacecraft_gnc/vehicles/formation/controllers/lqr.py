@@ -43,6 +43,13 @@ class CraftController:
     def reset(self) -> None:
         """Nothing to forget: a command follows from state and reference alone."""
 
+    def memory(self) -> tuple[()]:
+        """Return nothing."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing to remember."""
+
     def command(self, state: FormationState, reference: FormationReference) -> Command:
         """Return the change of velocity (3,) at the start of a control step, Hill's frame [m/s].
 
@@ -83,6 +90,13 @@ class FormationController:
 
     def reset(self) -> None:
         """Nothing to forget."""
+
+    def memory(self) -> tuple[()]:
+        """Return nothing."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing to remember."""
 
     def command(self, state: FormationState, reference: FormationReference) -> Command:
         """Return the changes of velocity (n, 3); their source is the worst of the craft's."""

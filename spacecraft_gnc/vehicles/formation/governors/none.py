@@ -35,6 +35,13 @@ class PassThroughGovernor(DesiredFormation):
     def reset(self) -> None:
         """Nothing to forget."""
 
+    def memory(self) -> tuple[()]:
+        """Return nothing."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing to remember."""
+
     def decide(self, state: FormationState) -> FormationDecision:
         """Return the desired states of the step."""
         reference = self._trajectory.reference(state.step, self._shift)

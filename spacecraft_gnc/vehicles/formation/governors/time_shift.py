@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -45,6 +45,14 @@ class FormationGovernor(DesiredFormation):
     def reset(self) -> None:
         """Forget the last shifts and what was observed."""
         self._governor.reset()
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return the governor's."""
+        return self._governor.memory()
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the governor did whose `memory` it is."""
+        self._governor.recall(memory)
 
     def decide(self, state: FormationState) -> FormationDecision:
         """Return what the craft are to track from a step on."""

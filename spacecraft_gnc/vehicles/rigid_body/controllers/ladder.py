@@ -57,10 +57,10 @@ class FallbackLadder:
         """Return the last good plan, and the step that it was made at."""
         return None if self._plan is None else self._plan.plain(), self._plan_step
 
-    def recall(self, memory: tuple[Any, ...], ocp: AttitudeOcp) -> None:
-        """Take the plan of a `memory`, of that problem."""
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Take the plan of a `memory`."""
         plan, self._plan_step = memory
-        self._plan = None if plan is None else Solution.of_plain(plan, ocp)
+        self._plan = None if plan is None else Solution.of_plain(plan, self._ocp)
         self._neighborhood = None
 
     def command(self, state: State, reference: Reference, solution: Solution | None) -> Command:

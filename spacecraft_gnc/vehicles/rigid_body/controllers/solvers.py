@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 import numpy as np
 
@@ -130,6 +130,22 @@ class SolverController:
         """Solve from ``state`` and return the torque of the highest rung of the ladder."""
         return self.conclude(state, reference, self.solve(state, reference, self._warm_start))
 
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return warm start, last plan and what the solver keeps; None: a chord in a continuation.
+
+        None as well where a solver of another package does not tell what it keeps.
+        """
+        tell = getattr(self.solver, "memory", None)
+        if tell is None or (self._continuation is not None and keeps_chord(self.solver)):
+            return None
+        return self._warm_start, self._ladder.memory(), tell()
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the controller did whose `memory` it is."""
+        self._warm_start, plan, kept = memory
+        self._ladder.recall(plan)
+        self.solver.recall(kept)  # type: ignore[attr-defined]
+
     def conclude(self, state: State, reference: Reference, solution: Solution | None) -> Command:
         """Return the command of a step with that solution, and keep what the next step needs."""
         self._warm_start = None if solution is None else solution.warm_start
@@ -249,6 +265,12 @@ CONTINUATIONS: Final[dict[str, Callable[[AttitudeOcp, ShootingOptions], Continua
     "effort": EffortContinuation,
 }
 """Words of a scenario, beside none."""
+
+
+def keeps_chord(solver: object) -> bool:
+    """Tell whether a solver keeps its Jacobian from one solve to the next."""
+    options = getattr(getattr(solver, "solver", solver), "options", None)
+    return isinstance(options, ShootingOptions) and options.step_rule == "chord"
 
 
 def options_of(scenario: Scenario) -> ShootingOptions:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from spacecraft_gnc.loop.protocols import Command, Reference
 from spacecraft_gnc.types import Matrix3
@@ -21,6 +21,12 @@ class Pilot(Protocol):
 
     def reset(self) -> None:
         """Forget the past."""
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return what `recall` takes up, as that of a `Controller`."""
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the pilot did whose `memory` it is."""
 
     def command(self, state: WheelState, reference: Matrix3, /) -> Command:
         """Return the accelerations (m,) [rad/s^2] of a control step, toward (3, 3)."""
@@ -48,6 +54,14 @@ class PilotedController(Generic[P]):
     def reset(self) -> None:
         """Forget the past."""
         self.pilot.reset()
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return the pilot's."""
+        return self.pilot.memory()
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the controller did whose `memory` it is."""
+        self.pilot.recall(memory)
 
     def command(self, state: WheelState, reference: Reference) -> Command:
         """Wheel accelerations (m,) [rad/s^2] for the control step that starts at ``state``."""

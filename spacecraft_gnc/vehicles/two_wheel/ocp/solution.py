@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
 
 import numpy as np
+from typing_extensions import Self
 
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, Matrix3
@@ -74,6 +75,17 @@ class WheelSolution:
     speed_multipliers: Array
     acceleration_multipliers: Array
     solve_time: float
+
+    def plain(self) -> tuple[Any, ...]:
+        """Return its fields, but the problem, as numbers and arrays alone."""
+        return tuple(getattr(self, field.name) for field in fields(self)[1:])
+
+    @classmethod
+    def of_plain(cls, values: tuple[Any, ...], ocp: WheelOcp) -> Self:
+        """Return the plan of a problem whose `plain` fields these are."""
+        named = dict(zip([field.name for field in fields(cls)[1:]], values, strict=True))
+        named["status"] = Status(named["status"])
+        return cls(ocp=ocp, **named)
 
     @property
     def converged(self) -> bool:

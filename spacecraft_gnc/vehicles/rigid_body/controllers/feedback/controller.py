@@ -49,6 +49,13 @@ class FeedbackController:
     def reset(self) -> None:
         """Nothing is remembered."""
 
+    def memory(self) -> tuple[()]:
+        """Return nothing: a command follows from state and reference alone."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing is remembered."""
+
     def command(self, state: State, reference: Reference) -> Command:
         """Torque for the control step that starts at ``state``."""
         torque = self.feedback.torque(state, reference)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from spacecraft_gnc import lie
@@ -13,6 +15,7 @@ from spacecraft_gnc.types import Array, Matrix3, Vector3
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import (
     OnlineNeighboringController,
     ShootingController,
+    keeps_chord,
     monitor_of,
     options_of,
     problem_of,
@@ -73,6 +76,14 @@ class NominalRunController:
     def reset(self) -> None:
         """Forget the past; the nominal run stays."""
         self._exact.reset()
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return that of the exact solves; None: a chord, which the run leaves behind as well."""
+        return None if keeps_chord(self._solver) else self._exact.memory()
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the controller did whose `memory` it is; the run is flown again."""
+        self._exact.recall(memory)
 
     def command(self, state: State, reference: Reference) -> Command:
         """Return the torque of the run, corrected for where the body is, or an exact solve's."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from spacecraft_gnc.arguments import require_kind
 from spacecraft_gnc.governors.planned.guard import BoundGuard
 from spacecraft_gnc.governors.planned.keeper import PlanKeeper
@@ -65,6 +67,17 @@ class PlannedController:
         """Return to the first plan."""
         self.tracking.reset()
         self.keeper.reset()
+
+    def memory(self) -> tuple[Any, ...] | None:
+        """Return what tracking and keeper keep."""
+        tracking = self.tracking.memory()
+        return None if tracking is None else (tracking, self.keeper.memory())
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the controller did whose `memory` it is."""
+        tracking, kept = memory
+        self.tracking.recall(tracking)
+        self.keeper.recall(kept)
 
     def command(self, state: State, reference: Reference) -> Command:
         """Return the torque of the control step that starts at ``state``, and how the plan goes."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,6 +135,36 @@ class FaultTolerantController:
         self._elsewhere: PlannedRest | None = None
         self._dead: dict[int, RunDown] = {}
         self._last: WheelState | None = None
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return which wheels answer, what the others did, and that of the pilots."""
+        pilot = None if self._pilot in (None, self._all) else self._pilot.memory()
+        elsewhere = None if self._elsewhere is None else self._elsewhere.memory()
+        dead = tuple((i, wheel.memory()) for i, wheel in self._dead.items())
+        return (
+            self._monitor.memory(),
+            self._healthy,
+            pilot,
+            elsewhere,
+            dead,
+            self._last,
+            (self._all.memory()),
+        )
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the controller did whose `memory` it is."""
+        monitor, healthy, pilot, elsewhere, dead, last, of_all = memory
+        self._monitor.recall(monitor)
+        self._all.recall(of_all)
+        if not healthy.all():
+            self._switch(healthy)
+        if pilot is not None and self._pilot is not None:
+            self._pilot.recall(pilot)
+        if elsewhere is not None and self._elsewhere is not None:
+            self._elsewhere.recall(elsewhere)
+        for i, wheel in dead:
+            self._dead[i].recall(wheel)
+        self._last = None if last is None else WheelState(*last)
 
     def command(self, state: WheelState, reference: Reference) -> Command:
         """Wheel accelerations (m,) [rad/s^2] for the control step that starts at ``state``."""

@@ -10,7 +10,7 @@ instead of having to do all about the third axis, which makes `holding.go_to_res
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -43,6 +43,14 @@ class PlannedRest:
         self._wheels, self._pilot = wheels, pilot
         self._attitudes: Array | None = None
         self._failed = False
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the attitudes of the last plan, and whether none was found."""
+        return self._attitudes, self._failed
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on from a `memory`; the pilot has its own."""
+        self._attitudes, self._failed = memory
 
     def accelerations(self, state: WheelState, held: Held, speeds: Array) -> Array | None:
         """Return accelerations (m,); None where the regulator has to fly.

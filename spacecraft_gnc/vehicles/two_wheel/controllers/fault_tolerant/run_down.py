@@ -8,7 +8,7 @@ better foretells the next ones. A share that is known is made up for by a larger
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -50,6 +50,15 @@ class RunDown:
         self.period, self.most = period, max_acceleration
         self._steps: list[_Step] = []
         self._fastest = 0.0
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the steps known, and the fastest speed."""
+        return tuple(self._steps), self._fastest
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on from a `memory`."""
+        steps, self._fastest = memory
+        self._steps = [_Step(*step) for step in steps]
 
     def observe(self, before: float, told: float, after: float) -> None:
         """Take in the speeds at both ends of a step [rad/s] and the command over it [rad/s^2]."""

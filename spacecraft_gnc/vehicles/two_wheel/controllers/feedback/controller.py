@@ -58,6 +58,13 @@ class FeedbackController:
     def reset(self) -> None:
         """Nothing is remembered."""
 
+    def memory(self) -> tuple[()]:
+        """Return nothing: a command follows from state and reference alone."""
+        return ()
+
+    def recall(self, memory: tuple[()]) -> None:
+        """Nothing is remembered."""
+
     def command(self, state: WheelState, reference: Reference) -> Command:
         """Wheel accelerations (m,) [rad/s^2] for the control step that starts at ``state``."""
         acceleration = self.feedback.acceleration(state, reference.attitude)

@@ -12,7 +12,7 @@ make the torque, the pseudo-inverse gives the least ones.
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +77,14 @@ class ShootingPilot:
     def reset(self) -> None:
         """Forget the warm start."""
         self._warm_start: Array | None = None
+
+    def memory(self) -> tuple[Any, ...]:
+        """Return the warm start."""
+        return (self._warm_start,)
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the pilot did whose `memory` it is."""
+        (self._warm_start,) = memory
 
     def command(self, state: WheelState, reference: Matrix3, own: Array | None = None) -> Command:
         """Return the accelerations (m,) of the control step that starts at ``state``.

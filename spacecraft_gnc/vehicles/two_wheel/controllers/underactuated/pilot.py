@@ -66,6 +66,14 @@ class TwoWheelPilot:
         """Forget the last plan."""
         self.planner.reset()
 
+    def memory(self) -> tuple[Any, ...]:
+        """Return that of the planner."""
+        return self.planner.memory()
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the pilot did whose `memory` it is."""
+        self.planner.recall(memory)
+
     def command(self, state: WheelState, reference: Matrix3, drift: Array | None = None) -> Command:
         """Return the accelerations (m,) of the control step that starts at ``state``.
 

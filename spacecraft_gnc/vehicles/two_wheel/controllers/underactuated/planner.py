@@ -102,6 +102,17 @@ class TwoWheelPlanner:
         self._end: Matrix3 = np.full((3, 3), np.nan)  # of the path
         self._way = self.ocp.horizon * self.ocp.time_step
 
+    def memory(self) -> tuple[Any, ...]:
+        """Return the last plan and the way to the reference."""
+        plan = None if self._plan is None else self._plan.plain()
+        return self._step, plan, self._path, self._end, self._way
+
+    def recall(self, memory: tuple[Any, ...]) -> None:
+        """Go on as the planner did whose `memory` it is."""
+        self._step, plan, path, self._end, self._way = memory
+        self._plan = None if plan is None else WheelSolution.of_plain(plan, self.ocp)
+        self._path = None if path is None else Path(*path)
+
     @property
     def path_left(self) -> float:
         """Time of the path from the end of the plan to the reference [s]; NaN: there is none."""
