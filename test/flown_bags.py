@@ -239,7 +239,7 @@ class _Recorder:
             kinetic_energy=energy,
             inertial_momentum=CODEC.vector(momentum),
             orthogonality_error=defect,
-            applied_torque=CODEC.vector(applied),
+            applied_torque=CODEC.vector(plant.actuators.given(applied)),
             applied_source=int(source),
             external_torque=CODEC.vector(plant.external_torque),
         )  # fmt: skip

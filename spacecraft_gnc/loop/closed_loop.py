@@ -77,6 +77,7 @@ class ClosedLoop:
         plant, controller, governor = self.plant, self.controller, self.governor
         log = FlightLog(plant.flight, plant.n_steps, plant.period)
         stretch = None if timed else self._stretch()
+        actuators = getattr(plant, "actuators", None)
         state, reference, k = plant.state, None, 0
         step = Step(state, None, None, None)  # one for all, since making it takes time
         while k < plant.n_steps:
@@ -87,13 +88,15 @@ class ClosedLoop:
                 flown = stretch.fly(state, reference, min(plant.n_steps - k, _MOST_AT_ONCE))
             if flown is None:
                 step.command = command = controller.command(state, reference)
-                step.target = governor.target
+                step.target, control = governor.target, command.control
+                step.applied = control if actuators is None else actuators.given(control)
                 log.add(k, step)
-                state = plant.step(command.control)
+                state = plant.step(control)
                 log.add_outcome(k, plant)
                 k += 1
             else:
                 step.command, step.target = flown.command, governor.target
+                step.applied = flown.command.control
                 log.hold(k, step, plant, flown.columns)
                 state = plant.state
                 k += flown.n_steps

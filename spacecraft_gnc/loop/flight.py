@@ -45,6 +45,8 @@ class Step:
     """The governor's, with the reference."""
     command: Any
     """`loop.protocols.Command`"""
+    applied: Any = None
+    """What the plant's actuators give of its control."""
 
 
 class End(NamedTuple):

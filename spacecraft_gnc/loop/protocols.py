@@ -85,6 +85,10 @@ class Plant(Protocol[S_co, U_contra]):
     control, its idle control and the sources hold a row, or an element, for each craft in their
     order.
 
+    A class whose actuators have limits also has ``actuators`` (`plant.actuators.Actuators`), which
+    it drives by each control: a loop logs what they give, and a node tells of the steps on which
+    that is less than asked for.
+
     A class may also have ``stretch(controller, governor, most)``: the `Stretch` that flies up to
     ``most`` steps of that loop at once, with the numbers of single steps; None where nothing does,
     as where the governor's decision depends on the state.

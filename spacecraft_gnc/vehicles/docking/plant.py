@@ -12,6 +12,7 @@ from spacecraft_gnc import lie
 from spacecraft_gnc.arguments import as_count, as_limit, as_real, require_kind, require_word
 from spacecraft_gnc.arrays import as_finite
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.plant.actuators import Actuators, component_limits
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.types import Array, as_rotation, as_vector3, read_only
 from spacecraft_gnc.vehicles.docking.dynamics import ALL_THRUSTERS, RelativeMotion
@@ -76,7 +77,8 @@ class DockingPlant:
         self.period = motion.control_period
         self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
         limits = [as_limit("max_force", max_force), as_limit("max_moment", max_moment)]
-        self._limits = np.repeat(limits if saturates else [math.inf] * 2, 3)
+        most = np.repeat(limits if saturates else [math.inf] * 2, 3)
+        self.actuators = Actuators(component_limits(most), "N, N m")
         self._noise = noise
         self._pose_every = pose_every
         self._lost_from, self._left = self._loss(lost, lost_at)
@@ -103,7 +105,7 @@ class DockingPlant:
         """
         command = as_finite("wrench", wrench, (6,), "6 numbers [N], [N m]")
         s = self._state
-        given = np.clip(command, -self._limits, self._limits)
+        given = self.actuators.drive(s.step, command)
         end = self.motion.advance(
             self.period * s.step,
             s.port_offset,
@@ -138,6 +140,7 @@ class DockingPlant:
     def reset(self) -> None:
         """Return to the initial state."""
         self._state = self._initial
+        self.actuators.reset()
 
     def _pose(self, state: RelativeState) -> tuple[Any, ...]:
         """Return the deputy's center of mass and attitude, chief frame."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc.arguments import as_count, as_real, as_tuple, require_kind, require_positive
 from spacecraft_gnc.arrays import as_finite
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.plant.actuators import Actuators, norm_limit
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.types import Array, read_only
 from spacecraft_gnc.vehicles.formation.dynamics import FormationMotion
@@ -67,7 +68,7 @@ class FormationPlant:
         self.period = motion.control_period
         self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
         limit = require_positive("max_delta_v", max_delta_v)
-        self._limit = limit if saturates else math.inf
+        self.actuators = Actuators(norm_limit(limit if saturates else math.inf), "m/s")
         n = as_count("position, in craft", len(position), remedy="give 3 numbers for each craft")
         start = (
             as_finite("position", position, (n, 3), "3 numbers for each craft [m]"),
@@ -102,7 +103,8 @@ class FormationPlant:
         need = f"3 numbers for each of {len(self._idle)} craft [m/s]"
         command = as_finite("delta_v", delta_v, self._idle.shape, need)
         s = self._state
-        after = self.motion.advance(s.step, s.position, s.velocity, self._given(command), s.healthy)
+        given = self.actuators.drive(s.step, command)
+        after = self.motion.advance(s.step, s.position, s.velocity, given, s.healthy)
         self._state = self._told(s.step + 1, *after, command)
         return self._state
 
@@ -124,15 +126,7 @@ class FormationPlant:
     def reset(self) -> None:
         """Return to the initial state."""
         self._state = self._initial
-
-    def _given(self, command: Array) -> Array:
-        """Return the changes of velocity (n, 3) that the thrusters make of a command."""
-        size = np.hypot.reduce(command, axis=1)  # the squares may overflow
-        beyond = size > self._limit
-        if not beyond.any():
-            return command
-        share = np.where(beyond, self._limit / np.where(beyond, size, 1.0), 1.0)
-        return command * share[:, None]
+        self.actuators.reset()
 
     def _told(self, step: int, position: Array, velocity: Array, applied: Array) -> FormationState:
         """Return a state with what is true of the craft."""

@@ -31,6 +31,7 @@ def facts(scenario: Scenario, expected: Outlook) -> Facts:
         rows=(
             *_disturbances(scenario),
             *_limits(scenario),
+            *_actuators(scenario),
             ("settling", expected.settling),
             ("zones", ", ".join(zones) or "none"),
         ),
@@ -62,6 +63,13 @@ def _limits(scenario: Scenario) -> list[tuple[str, str]]:
     active = ", ".join(numbers["plan_active"]) or "none"
     told = f"{numbers['plan_duration']:g} s, cost {numbers['plan_cost']:.10g} N^2 m^2"
     return [("bounds", ", ".join(kept) or "none"), ("plan", f"{told}; bounds that act: {active}")]
+
+
+def _actuators(scenario: Scenario) -> list[tuple[str, str]]:
+    """Return what the plant's actuators give at most, in a row."""
+    most = scenario.plant.max_torque
+    told = f"at most {most:g} N m about each axis, cut by the plant"
+    return [("actuators", told)] if most else []
 
 
 def _is_bound(sides: Array) -> bool:

@@ -44,7 +44,7 @@ class RigidBodyFlight(Flight):
     momentum : (n, 3) array
         Angular momentum, body frame [N m s].
     torque : (n, 3) array
-        Body torque held over the step [N m].
+        Body torque held over the step [N m]: what the actuators gave of the command.
     external_torque : (n, 3) array
         Sum of the disturbances held over the step beside it, body frame [N m]; NaN where it was not
         recorded. The message of the next step carries it.
@@ -75,7 +75,7 @@ class RigidBodyFlight(Flight):
 
     attitude: Array = column("state.attitude", (3, 3), carried_by="attitude_state/attitude")
     momentum: Array = column("state.momentum", (3,), carried_by="attitude_state/angular_momentum")
-    torque: Array = column("command.control", (3,), carried_by="torque_command/torque")
+    torque: Array = column("applied", (3,), carried_by="torque_command/torque")
     external_torque: Array = column(
         _external_torque,
         (3,),

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 
 from spacecraft_gnc import lie
-from spacecraft_gnc.arguments import as_count, require_kind
+from spacecraft_gnc.arguments import as_count, as_limit, require_kind
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.loop.protocols import Source, Stretch
+from spacecraft_gnc.plant.actuators import Actuators, component_limits
 from spacecraft_gnc.plant.disturbances.registry import build
 from spacecraft_gnc.plant.disturbances.torques import Disturbances, Motion
 from spacecraft_gnc.signals import Signal
@@ -50,6 +52,8 @@ class RigidBodyPlant:
         External torques, whose sum is held over the control period like the torque.
     pose_every : int
         Control steps between two poses for viewers; 0: none.
+    max_torque : float
+        What the actuators give at most about each axis of the body [N m]; 0: no limit.
 
     Raises
     ------
@@ -68,6 +72,8 @@ class RigidBodyPlant:
         substeps: int = 1,
         disturbances: Disturbances | None = None,
         pose_every: int = 0,
+        *,
+        max_torque: float = 0.0,
     ) -> None:
         remedy = "lengthen the duration to one control period or more"
         self.body = require_kind("body", body, RigidBody)
@@ -80,6 +86,8 @@ class RigidBodyPlant:
         body.require_solvable("momentum", initial.momentum)
         self.disturbances = Disturbances() if disturbances is None else disturbances
         self._is_disturbed = bool(self.disturbances)
+        most = as_limit("max_torque", max_torque) or math.inf
+        self.actuators = Actuators(component_limits(most), "N m")
         self._initial = initial
         self._state, self._external = initial, _NO_TORQUE
 
@@ -99,6 +107,7 @@ class RigidBodyPlant:
             scenario.substeps,
             build(p, inertia) if is_disturbed else None,
             pose_every=p.pose_every,
+            max_torque=p.max_torque,
         )
 
     @property
@@ -119,13 +128,15 @@ class RigidBodyPlant:
     def step(self, torque: Vector3) -> State:
         """Hold ``torque`` (3,) [N m] for one control period and return the new state.
 
+        What exceeds the limit of the actuators is cut.
+
         Raises
         ------
         ParameterError
             If the momentum has grown so large that a step does not exist (Kalabic (3)).
         """
         k, attitude, momentum = self._state
-        external = self._external
+        torque, external = self.actuators.drive(k, torque), self._external
         if self._is_disturbed:
             external = self.disturbances.torque(*self._middle(torque))
             torque = torque + external
@@ -159,9 +170,11 @@ class RigidBodyPlant:
     def outputs(self, applied: tuple[Vector3, Source]) -> list[tuple[Signal, Any]]:
         """Return what is published at the start of the current step, the state first.
 
-        ``applied``: torque (3,) [N m] and its source over the step that ended now.
+        ``applied``: torque (3,) [N m] that was asked for over the step that ended now, and its
+        source; what the actuators gave of it is told.
         """
-        state, (torque, source) = self._state, applied
+        state, (asked, source) = self._state, applied
+        torque = self.actuators.given(asked)
         outputs: list[tuple[Signal, Any]] = [
             (STATE, StateAndRate(state, self.angular_velocity())),
             (INVARIANTS, (*self.invariants(), torque, int(source), self._external)),
@@ -176,8 +189,12 @@ class RigidBodyPlant:
         self.body.step(np.eye(3), zero, zero, self.substeps)
 
     def stretch(self, controller: Any, governor: Any, most: int) -> Stretch | None:
-        """Return what flies up to ``most`` steps at once, undisturbed; see `loop.protocols`."""
-        if self._is_disturbed or type(self) is not RigidBodyPlant:
+        """Return what flies up to ``most`` steps at once, undisturbed; see `loop.protocols`.
+
+        Actuators with a limit are asked step by step.
+        """
+        is_ours = type(self) is RigidBodyPlant
+        if self._is_disturbed or self.actuators.are_limited or not is_ours:
             return None
         from spacecraft_gnc.vehicles.rigid_body.stretch import stretch_of  # loads the solvers
 
@@ -190,3 +207,4 @@ class RigidBodyPlant:
     def reset(self) -> None:
         """Return to the initial state."""
         self._state, self._external = self._initial, _NO_TORQUE
+        self.actuators.reset()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from spacecraft_gnc import lie
 from spacecraft_gnc.audit.evidence import Progress
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.plant.actuators import Actuators, component_limits
 from spacecraft_gnc.recording.aligned import overridden, period_of, targets_of, times_of
 from spacecraft_gnc.recording.bag import Bag
 from spacecraft_gnc.recording.columns import Columns, read_columns, require_reach
@@ -36,6 +37,7 @@ _TOPICS: Final = (
     STATE, REFERENCE, ACCEPTED_TARGET, TORQUE, SOLVER_STATUS, GOVERNOR_STATUS, INVARIANTS,
     PLAN_STATUS,
 )  # fmt: skip
+_UNLIMITED: Final = Actuators(None, "N m")
 PLANS: Final = ("predicted_attitudes", "predicted_momenta", "predicted_torques")
 
 
@@ -72,7 +74,8 @@ def read_recorded(
         If there is no flight in it.
     """
     columns = read_columns(bag, _TOPICS, namespace, progress, leave_out=PLANS)
-    torques = acted(columns)
+    most = math.inf if scenario is None else scenario.plant.max_torque or math.inf
+    torques = acted(columns, Actuators(component_limits(most), "N m"))
     n = whole_steps(bag, columns, torques)
     missing = _missing(columns, torques)
     period = scenario.period if scenario is not None else period_of(columns[STATE])
@@ -85,15 +88,15 @@ def read_recorded(
     return Recorded(trajectory, missing, overridden(columns, APPLIED))
 
 
-def acted(columns: Mapping[Signal, Columns]) -> Torques:
-    """Return what the plant applied; where it did not tell, what was commanded."""
+def acted(columns: Mapping[Signal, Columns], actuators: Actuators = _UNLIMITED) -> Torques:
+    """Return what the plant applied; where it did not tell, what actuators give of the command."""
     commands, applied = columns[TORQUE], columns[INVARIANTS]
     told = applied.steps > 0  # an entry tells of the step that ended there
     steps = np.concatenate([applied.steps[told] - 1, commands.steps])
     torque = [applied.fields["applied_torque"][told]] if told.any() else []
     source = [applied.fields["applied_source"][told]] if told.any() else []
     if commands.steps.size:
-        torque.append(commands.fields["torque"])
+        torque.append(actuators.given(commands.fields["torque"]))
         source.append(commands.fields["source"])
     if not steps.size:
         return Torques(steps, np.empty((0, 3)), np.empty(0, dtype=np.int64))

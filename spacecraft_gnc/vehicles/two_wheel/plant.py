@@ -13,6 +13,7 @@ from spacecraft_gnc.arguments import as_count, require_kind
 from spacecraft_gnc.arrays import as_finite, as_float, as_shaped, listed
 from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.loop.protocols import Source
+from spacecraft_gnc.plant.actuators import Actuators, component_limits
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.attitude import POSE, pose_of
 from spacecraft_gnc.types import Array, ArrayLike, Invariants, Vector3
@@ -71,6 +72,8 @@ class GyrostatPlant:
         self.substeps = as_count("substeps", substeps)
         self.period = self.substeps * gyrostat.time_step
         self.n_steps = as_count("n_steps", n_steps, remedy=remedy)
+        most = gyrostat.max_acceleration or math.inf
+        self.actuators = Actuators(component_limits(most), "rad/s^2")
         require_kind("initial", initial, WheelState)
         as_shaped("initial.wheel_speed", initial.wheel_speed, (gyrostat.n_wheels,))
         self._pose_every = pose_every
@@ -106,7 +109,8 @@ class GyrostatPlant:
         """
         m = self.gyrostat.n_wheels
         command = as_finite("acceleration", acceleration, (m,), f"{m} numbers [rad/s^2]")
-        self._state = self._told(self.advance(self._state, command)._replace(applied=command))
+        given = self.actuators.drive(self._state.step, command)
+        self._state = self._told(self.advance(self._state, given)._replace(applied=command))
         return self._state
 
     def advance(self, state: WheelState, acceleration: Array) -> WheelState:
@@ -168,6 +172,7 @@ class GyrostatPlant:
     def reset(self) -> None:
         """Return to the initial state."""
         self._state = self._initial
+        self.actuators.reset()
 
     def _told(self, state: WheelState) -> WheelState:
         """Return a state with what is true of its wheels."""

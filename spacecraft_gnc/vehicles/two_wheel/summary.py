@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from spacecraft_gnc.vehicles.two_wheel.flight import WheelFlight
     from spacecraft_gnc.vehicles.two_wheel.scenario import Scenario
 
+_BEYOND: Final = 1.0 + 1e-9  # share of a limit: a law may be on it but for rounding
+
 
 def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, Any]:
     """Return the metrics of a flight, ready for JSON.
@@ -35,8 +37,9 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         ``remaining_axis`` (3 numbers, body frame; None: it comes to rest) and
         ``pointing_loss_deg`` of what is held then (of the axis, where it keeps turning),
         ``fallback_steps``,
-        ``limits_exceeded`` (none: a wheel saturates), ``solve_time_median``, ``_p99``, ``_max`` [s]
-        (None where nothing is solved).
+        ``limits_exceeded`` (none: a wheel saturates), ``acceleration_cut_steps`` where there are
+        any (on which a wheel was asked for more than its limit), ``solve_time_median``, ``_p99``,
+        ``_max`` [s] (None where nothing is solved).
     """
     n = flight.n_steps
     times, attitude, rate, speed = states(flight)
@@ -64,11 +67,20 @@ def metrics(flight: WheelFlight, scenario: Scenario | None = None) -> dict[str, 
         "modes": {mode_name(mode): count for mode, count in sorted(modes.items())},
         "fallback_steps": sum(sources[source] for source in Source if source.is_fallback),
         "limits_exceeded": [],
+        **_cut(flight, scenario),
         **{
             f"solve_time_{name}": float(np.quantile(solve_time, q)) if solve_time.size else None
             for name, q in quantiles.items()
         },
     }
+
+
+def _cut(flight: WheelFlight, scenario: Scenario | None) -> dict[str, Any]:
+    """Return the steps on which the plant cut a command; nothing where it never did."""
+    limit = math.inf if scenario is None else scenario.plant.max_wheel_acceleration or math.inf
+    beyond = np.abs(flight.wheel_acceleration) > limit * _BEYOND
+    steps = int(np.count_nonzero(beyond.any(axis=1)))
+    return {"acceleration_cut_steps": steps} if steps else {}
 
 
 def states(flight: WheelFlight) -> tuple[Array, Array, Array, Array]:
@@ -102,6 +114,9 @@ def lines(m: dict[str, Any]) -> list[tuple[str, str]]:
         rows.append(("flown", counts(m["modes"])))
     if m["rest"] not in (None, RESTS[Rest.AT_TARGET]):
         rows.append(("rest", f"{m['rest']}; {_kept(m)}"))
+    if m.get("acceleration_cut_steps"):
+        text = f"a wheel was asked for more than it can, at {m['acceleration_cut_steps']} of "
+        rows.append(("warning", f"{text}{m['steps']} steps"))
     rows += [("wheel lost", text) for text in lost_texts(m)]
     return rows + [("false alarm", text) for text in alarm_texts(m)]
 

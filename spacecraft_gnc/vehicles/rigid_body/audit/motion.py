@@ -17,6 +17,7 @@ from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.plant.disturbances.registry import not_installed
 from spacecraft_gnc.types import Array
 from spacecraft_gnc.vehicles.rigid_body.audit import _audit_kernels as kernels
+from spacecraft_gnc.vehicles.rigid_body.audit.torques import given
 from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, STATE, TORQUE
 
@@ -89,11 +90,14 @@ def warm_up(plant: RigidBodyPlant) -> None:
 
 
 def applied_torques(evidence: Evidence) -> Array:
-    """Return (n, 3) torques [N m] of the steps, as the plant told, else as commanded; NaN: none."""
+    """Return (n, 3) torques [N m] of the steps, as the plant told, else as commanded within limits.
+
+    NaN: neither is known.
+    """
     steps = np.arange(evidence.n)
     commanded = np.full((evidence.n, 3), np.nan)
     if evidence.columns[TORQUE].steps.size:
-        commanded = evidence.rows(TORQUE, "torque", steps)
+        commanded = given(evidence.scenario.plant, evidence.rows(TORQUE, "torque", steps))
     if not evidence.columns[INVARIANTS].steps.size:
         return commanded
     applied = evidence.rows(INVARIANTS, "applied_torque", steps + 1)

@@ -1,4 +1,4 @@
-"""Compare applied torques with commands, and with the fallback where a command was late."""
+"""Compare applied torques with commands within limits, or with the fallback where one was late."""
 
 from __future__ import annotations
 
@@ -11,10 +11,17 @@ from spacecraft_gnc.audit.applied import stand_ins
 from spacecraft_gnc.audit.evidence import Evidence
 from spacecraft_gnc.audit.ledger import Ledger
 from spacecraft_gnc.types import Array
+from spacecraft_gnc.vehicles.rigid_body.parameters.plant import PlantParameters
 from spacecraft_gnc.vehicles.rigid_body.signals import APPLIED, INVARIANTS, TORQUE
 
 _APPLIED: Final = "plant_invariants.applied_torque"
 _SOURCE: Final = "plant_invariants.applied_source"
+
+
+def given(plant: PlantParameters, torques: Array) -> Array:
+    """Return what actuators within ``plant.max_torque`` give of torques (n, 3); NaN stays."""
+    most = plant.max_torque
+    return np.asarray(np.maximum(np.minimum(torques, most), -most)) if most else torques
 
 
 def audit_torques(evidence: Evidence, held: NDArray[np.int64], ledger: Ledger) -> None:
@@ -27,10 +34,16 @@ def audit_torques(evidence: Evidence, held: NDArray[np.int64], ledger: Ledger) -
     steps = evidence.common(TORQUE)
     steps = steps[(steps < evidence.n) & ~np.isin(steps, held)]
     steps = steps[np.isfinite(evidence.rows(INVARIANTS, "applied_source", steps + 1))]
-    _compare(evidence, ledger, name, steps, evidence.rows(TORQUE, "torque", steps),
-             evidence.rows(TORQUE, "source", steps))  # fmt: skip
+    commanded = evidence.rows(TORQUE, "torque", steps)
+    acting = given(evidence.scenario.plant, commanded)
+    _compare(evidence, ledger, name, steps, acting, evidence.rows(TORQUE, "source", steps))
+    cut = int(np.count_nonzero((acting != commanded).any(axis=1)))
+    if cut:
+        most = evidence.scenario.plant.max_torque
+        ledger.check(name, "", f"cut to plant.max_torque, {most:g} N m, at {cut} steps")
     if held.size:
-        expected, source = stand_ins(evidence, held, APPLIED)
+        held_torque, source = stand_ins(evidence, held, APPLIED)
+        expected = given(evidence.scenario.plant, held_torque)
         _compare(evidence, ledger, late, held, expected, source)
         ledger.check(late, "", f"{held.size} steps held or zero, as wall_timing counts them")
     else:

@@ -6,6 +6,7 @@ import numpy as np
 
 from spacecraft_gnc.parameters.checked import Checked
 from spacecraft_gnc.plant.disturbances.checks import check_disturbances
+from spacecraft_gnc.vehicles.rigid_body.checks.actuators import check_actuators
 from spacecraft_gnc.vehicles.rigid_body.checks.body import check_inertia, check_momentum
 from spacecraft_gnc.vehicles.rigid_body.checks.method import check_method
 from spacecraft_gnc.vehicles.rigid_body.checks.planned import check_planned
@@ -25,6 +26,7 @@ def check(checked: Checked) -> None:
     check_reference(checked)
     check_planned(checked)
     check_torque(checked)
+    check_actuators(checked)
     inertia = checked.get("plant", "inertia")
     if inertia:
         check_disturbances(checked, np.reshape(inertia, (3, 3)))

@@ -41,6 +41,9 @@ def summary_rows(m: dict[str, Any]) -> list[tuple[str, str]]:
     if m["escaping_steps"]:
         text = f"{m['escaping_steps']}, by a small torque added to the optimal one"
         rows.append(("standstill escapes", text))
+    if m.get("actuator_limit_steps"):
+        text = f"the actuators gave all they can, {m['actuator_limit']:g} N m about an axis, at "
+        rows.append(("warning", f"{text}{m['actuator_limit_steps']} of {m['steps']} steps"))
     # A row without a value starts with the dash alone; a negative number is a value.
     return [row for row in rows if row[1].split(" ")[0] != _NOTHING]
 

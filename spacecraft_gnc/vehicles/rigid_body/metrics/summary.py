@@ -51,7 +51,9 @@ def summarize(trajectory: Flight, scenario: Scenario | None = None) -> dict[str,
         reference to the target), ``inadmissible_steps`` (at which the prediction violated a
         constraint even with the last reference held), ``min_governor_margin`` (of its predictions,
         in the unit of each one's nearest constraint),
-        ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, ``cost`` (sum of the
+        ``max_torque`` [N m], ``torque_limit`` [N m], ``saturated_steps``, with a limit of the
+        plant's actuators ``actuator_limit`` [N m] and ``actuator_limit_steps`` (on which one gave
+        all that it can), ``cost`` (sum of the
         stage costs as the method counts them; None of a method that reads no weights or plans),
         ``min_zone_margin_deg``, ``zone_margin_deg`` by zone, ``limits_exceeded`` (by more than
         0.1 %, see `audit.limits`; empty without a scenario), ``iterations_median``,
@@ -75,6 +77,7 @@ def summarize(trajectory: Flight, scenario: Scenario | None = None) -> dict[str,
         **_attitude_metrics(trajectory),
         **_governor_metrics(trajectory),
         **_torque_metrics(trajectory, scenario),
+        **_actuator_metrics(trajectory, scenario),
         **_zone_metrics(trajectory, controller),
         **_limit_metrics(trajectory, scenario),
         **_solver_metrics(trajectory, scenario),
@@ -167,6 +170,14 @@ def _torque_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, 
         "saturated_steps": int(np.count_nonzero(norm >= _SATURATION * limit)) if limit else None,
         "cost": cost,
     }
+
+
+def _actuator_metrics(trajectory: Flight, scenario: Scenario | None) -> dict[str, Any]:
+    limit = 0.0 if scenario is None else scenario.plant.max_torque
+    if limit == 0.0:
+        return {}
+    on_it = (np.abs(trajectory.torque) >= limit).any(axis=1)
+    return {"actuator_limit": limit, "actuator_limit_steps": int(np.count_nonzero(on_it))}
 
 
 def _counts_stage_costs(scenario: Scenario) -> bool:

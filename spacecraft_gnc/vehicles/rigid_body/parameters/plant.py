@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from spacecraft_gnc.parameters.parameter import (
     ANGLES,
+    LARGEST,
     LONGEST,
     SHORTEST,
     WITHIN,
@@ -72,6 +73,16 @@ class PlantParameters(DisturbanceParameters, PlantHost):
         unit="N m s",
         shape=(3,),
         **WITHIN,
+    )
+    max_torque: float = parameter(
+        Kind.DOUBLE,
+        0.0,
+        "limit of each component of the torque that the actuators give, body frame: what a command "
+        "has beyond it is cut; 0: no limit",
+        unit="N m",
+        minimum=0.0,
+        maximum=LARGEST,
+        is_neutral=True,
     )
     pose_every: int = parameter(
         Kind.INTEGER, 1, "publish a PoseStamped every n-th control step; 0: never", minimum=0

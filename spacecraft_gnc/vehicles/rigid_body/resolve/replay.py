@@ -125,7 +125,7 @@ def resolve(
         as_flown = pricing.recorded(state, given.reference, float(flight.cost[k]))
         if k < chosen[0]:
             continue
-        log.add(len(prices), Step(state, flight.target[k], decision, command))
+        log.add(len(prices), Step(state, flight.target[k], decision, command, command.control))
         prices.append((as_flown, pricing.new(solution_of(command), state)))
         if progress is not None:
             progress(len(prices), len(chosen))
