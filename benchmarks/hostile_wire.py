@@ -1,0 +1,146 @@
+"""Attacks on the topics of a flight: 50,000 hostile messages, and thousands that steer."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import Any, Final, NamedTuple
+
+from hostile_checks import audit_failures, differing, refused, traces
+from hostile_flight import NODES, SCENARIO, Flight, Late, Row
+
+FREE_RUN: Final = ("plant.mode=free_run", "plant.real_time_factor={:g}")
+_SURE: Final = 0.99  # of the refusals due: DDS keeps the last 10 to 5,000 messages of a topic
+_ENDED: Final = (130, 1)  # ended by Ctrl-C; 1: and because of the stranger
+
+
+class Attacked(NamedTuple):
+    """A flight after hostile messages."""
+
+    sent: dict[str, Any]
+    ended: list[str]
+    """What ended that should not have, or told of a defect."""
+    refused: int
+    missed: int
+    steps: int
+    code: int
+    told: str
+    """Why something went wrong."""
+
+
+def messages(options: Namespace) -> list[Row]:
+    """Send hostile messages on all topics while a scenario is flown, in lockstep and free run."""
+    rows = [_lockstep(options)]
+    if not options.short:
+        rows.append(_free_run(options))
+    return rows
+
+
+def _lockstep(options: Namespace) -> Row:
+    flight = Flight(options.folder / "lockstep")
+    hit = _attacked(flight, options, echo=False)
+    steps, wrong = differing(flight.bag, flight.changes) if not hit.told else (0, [])
+    wrong += [f"ended: {name}" for name in hit.ended]
+    due = hit.sent.get("due", 0)
+    told = hit.told or ", ".join(wrong) or f"{steps} steps equal"
+    passed = not hit.told and not wrong and hit.sent.get("total") == options.messages
+    counted = due * _SURE <= hit.refused <= due
+    return Row(
+        "messages, lockstep",
+        "hostile messages of ten kinds on every topic, by a stranger",
+        hit.sent.get("total", 0),
+        "nothing ends; bag equals `gnc simulate` bit for bit; refusals counted",
+        f"{told}; {hit.refused} of {due} refusals due counted; exit code {hit.code}",
+        passed and counted,
+    )
+
+
+def _free_run(options: Namespace) -> Row:
+    changes = [change.format(options.factor) for change in FREE_RUN]
+    hits = {}
+    for echo in (True, False):
+        flight = Flight(options.folder / f"free_run_{'echo' if echo else 'hostile'}", *changes)
+        hits[echo] = _attacked(flight, options, echo=echo)
+    harmless, hostile = hits[True], hits[False]
+    due = hostile.sent.get("due", 0)
+    problems = [hit.told or ", ".join(hit.ended) for hit in hits.values()]
+    is_fine = not any(problems) and hostile.missed <= harmless.missed
+    return Row(
+        "messages, free run",
+        f"the same at {options.factor:g} times real time; before it as many repeated genuine ones",
+        hostile.sent.get("total", 0),
+        "nothing ends; no more deadlines missed than with the genuine ones; refusals counted",
+        f"{hostile.missed} of {hostile.steps} deadlines missed, {harmless.missed} of "
+        f"{harmless.steps} with genuine ones; {hostile.refused} of {due} refusals due counted; "
+        f"exit code {hostile.code}" + "".join(f"; {text}" for text in problems if text),
+        is_fine and due * _SURE <= hostile.refused <= due,
+    )
+
+
+def _attacked(flight: Flight, options: Namespace, *, echo: bool) -> Attacked:
+    """Fly, send, end the flight, and say what came of it."""
+    with flight:
+        try:
+            # one that listens and one that sends: who sends 2,000 a second hears nothing else
+            watch = flight.observe()
+            side = flight.beside(
+                act="send",
+                scenario=str(SCENARIO),
+                seed=options.seed,
+                count=options.messages,
+                rate=options.rate,
+                echo=echo,
+                listen=len(flight.changes) > 1,
+            )
+            wall = options.messages / options.rate
+            flight.until(lambda: side.said("sent") or side.ended, "all sent", 120.0 + 3.0 * wall)
+            sent = side.said("sent")[0] if side.said("sent") else {}
+            gone = {*NODES, "launcher"} - set(flight.running())
+            seen = flight.progress()
+            flight.interrupt()
+            code = flight.wait_end()
+        except Late as error:
+            return Attacked({}, traces(flight), 0, 0, 0, -1, str(error))
+        ended = sorted(gone) + [f"{name} (defect)" for name in traces(flight)]
+        told = "" if code in _ENDED else f"exit code {code}"
+        count = sum(refused(watch).values())
+        return Attacked(sent, ended, count, seen["missed"], seen["step"], code, told)
+
+
+def steering(options: Namespace) -> list[Row]:
+    """Have a stranger command the vehicle, in lockstep and in free run."""
+    modes = {"lockstep": (), "free run": tuple(c.format(options.factor) for c in FREE_RUN)}
+    return [
+        _steered(options, mode, *changes)
+        for mode, changes in modes.items()
+        if not options.short or not changes
+    ]
+
+
+def _steered(options: Namespace, mode: str, *changes: str) -> Row:
+    steps = max(int(options.steering), 400)
+    flight = Flight(options.folder / mode.replace(" ", "_"), *changes, steps=steps)
+    with flight:
+        try:
+            side = flight.beside(act="steer", scenario=str(SCENARIO), count=options.steering)
+            code = flight.wait_end(600.0)
+            sent = side.said("sent")
+        except Late as error:
+            return Row(f"steering, {mode}", "", 0, "", str(error), False)
+        total = sent[0]["total"] if sent else 0
+        named = flight.errors.first("second publisher") is not None
+        told = flight.errors.text
+    problems = [] if code == 1 and named else [f"exit code {code}", told.splitlines()[-1:]]
+    if not changes:
+        count, wrong = differing(flight.bag, flight.changes)
+        problems += [f"{wrong} differ"] if wrong or count != steps else []
+    audit = audit_failures(flight.bag)
+    problems += [f"audit: {audit}"] if audit else []
+    named_text = "the launch names the stranger" if named else "the stranger is not named"
+    return Row(
+        f"steering, {mode}",
+        "well-formed torques, references, states and clocks, of the step due and of four to come",
+        total,
+        "none acted upon; exit code 1; the stranger named",
+        f"{'; '.join(map(str, problems)) or 'none acted upon'}; {named_text}; exit code {code}",
+        not problems and total == 4 * options.steering,
+    )
