@@ -15,7 +15,6 @@ import pytest
 from spacecraft_gnc import lie
 from spacecraft_gnc.loop.memory_file import Inputs, MemoryFile
 from spacecraft_gnc.loop.past import Past
-from spacecraft_gnc.loop.plain import pack
 from spacecraft_gnc.scenario import Scenario, load
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
