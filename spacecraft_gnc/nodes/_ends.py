@@ -6,7 +6,7 @@ import os
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from rclpy.clock import Clock, ClockType
 from rclpy.duration import Duration
@@ -22,6 +22,7 @@ from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
 from spacecraft_gnc.nodes._readiness import Readiness
 from spacecraft_gnc.ros.endpoints import message_type
 from spacecraft_gnc.ros.qos import ros_qos
+from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.signals import Refused, Signal
 from spacecraft_gnc.signals.guard import Guard, Window
 from spacecraft_gnc.signals.members import Members, Place
@@ -59,6 +60,10 @@ class NodeWithEnds(LifecycleNode):
     """Where this one stands in it."""
     window: Window
     """Simulated time of the flight."""
+    ROLE: ClassVar[str]
+    """Section of the scenario, and the node's default name."""
+    scenario: Scenario
+    """That of this node's agent; of the first one where the node serves all."""
 
     def __init__(self, name: str, namespace: str | None) -> None:
         simulated = [Parameter("use_sim_time", value=True)]
@@ -74,8 +79,11 @@ class NodeWithEnds(LifecycleNode):
     def on_match(self) -> None:
         """Notice that an endpoint was matched."""
 
-    def refuse(self, topic: object, reason: str, kind: str) -> None:
-        """Notice that a message was rejected."""
+    def refuse(self, topic: object, reason: str, kind: str = "values") -> None:
+        """Notice that a message or a request was rejected."""
+
+    def fail(self, error: Exception) -> None:
+        """End the node because of ``error``."""
 
     def keep_time(self, stamp: Stamp, step: int) -> None:
         """Take simulated time from a state; after the last one there is no step to make."""

@@ -6,7 +6,7 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.duration import Duration
@@ -34,13 +34,8 @@ class GncNode(NodeWithEnds):
     refuses the transition with its message; what has to be given back they hand to `on_close`.
     """
 
-    ROLE: ClassVar[str]
-    """Section of the scenario, and the node's default name."""
-
     fleet: Fleet
     """What flies in the graph."""
-    scenario: Scenario
-    """That of this node's agent; of the first one where the node serves all."""
 
     def __init__(self, namespace: str | None = None) -> None:
         super().__init__(self.ROLE, namespace)

@@ -14,14 +14,14 @@ from spacecraft_gnc.nodes._transitions import Transitions
 if TYPE_CHECKING:
     from rclpy.service import Service
 
-    from spacecraft_gnc.nodes._node import GncNode
+    from spacecraft_gnc.nodes._ends import NodeWithEnds
 
 _MOST_ITEMS: Final = 1000  # of a list in a request: more than a node has parameters
 _LONGEST_REASON: Final = 300  # characters
 _NAMELESS: Final = "received a parameter without a name; required one that is declared; name it"
 
 
-def guard_services(node: GncNode) -> None:
+def guard_services(node: NodeWithEnds) -> None:
     """Guard the services that a node has by now: of parameters, life cycle and types.
 
     Whatever goes wrong with a request gives the failed answer of its type, and is refused as a
@@ -39,7 +39,7 @@ def guard_services(node: GncNode) -> None:
 class _Guard:
     """Stands between the executor and a service."""
 
-    def __init__(self, node: GncNode, service: Service) -> None:
+    def __init__(self, node: NodeWithEnds, service: Service) -> None:
         self._node = node
         self._name = service.service_name
         self._answer, self._send = service.callback, service.send_response
@@ -52,7 +52,7 @@ class _Guard:
             return self._answer(request, response)
         except Exception as error:  # noqa: BLE001 - whatever a request of a stranger leads to
             reason = shortened(error)
-            self._node.refuse(self._name, reason)
+            self._node.refuse(self._name, reason, "request")
             return _failed(request, response, reason)
 
     def send(self, response: Any, header: Any) -> None:
@@ -60,7 +60,7 @@ class _Guard:
         try:
             self._send(response, header)
         except Exception as error:  # noqa: BLE001 - likewise
-            self._node.refuse(self._name, f"cannot be answered: {shortened(error)}")
+            self._node.refuse(self._name, f"cannot be answered: {shortened(error)}", "request")
 
 
 def shortened(error: Exception) -> str:

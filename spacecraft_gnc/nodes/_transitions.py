@@ -14,7 +14,7 @@ from spacecraft_gnc.launcher.environment import SUPERVISED
 if TYPE_CHECKING:
     from rclpy.service import Service
 
-    from spacecraft_gnc.nodes._node import GncNode
+    from spacecraft_gnc.nodes._ends import NodeWithEnds
 
 _CONFIGURE: Final = "configure"
 _ACTIVATE: Final = "activate"
@@ -46,7 +46,7 @@ class Transitions:
         Whose state it is.
     """
 
-    def __init__(self, node: GncNode) -> None:
+    def __init__(self, node: NodeWithEnds) -> None:
         self._node = node
         self._is_supervised = os.environ.get(SUPERVISED) == "1"
         self._carry_out: Any = None
