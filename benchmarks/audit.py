@@ -27,23 +27,14 @@ from spacecraft_gnc.loop.protocols import Command, GovernorDecision, Plant, Sour
 from spacecraft_gnc.recording.writer import BagWriter
 from spacecraft_gnc.ros.bag_topics import announce
 from spacecraft_gnc.scenario import Scenario, load
-from spacecraft_gnc.signals import Signal
-from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, GOVERNOR_STATUS, REFERENCE
+from spacecraft_gnc.signals import Signal, graph
+from spacecraft_gnc.signals.graph import CLOCK
 from spacecraft_gnc.signals.message import period_ns, stamp_of
 from spacecraft_gnc.types import Vector3
 from spacecraft_gnc.vehicles.rigid_body.outputs import Outputs
-from spacecraft_gnc.vehicles.rigid_body.signals import INVARIANTS, SOLVER_STATUS, STATE, TORQUE
+from spacecraft_gnc.vehicles.rigid_body.signals import SIGNALS
 
 CASE = Path(__file__).parents[1] / "config" / "gupta2015_case1.yaml"
-RECORDED = (
-    STATE,
-    INVARIANTS,
-    REFERENCE,
-    GOVERNOR_STATUS,
-    TORQUE,
-    SOLVER_STATUS,
-    ACCEPTED_TARGET,  # none is taken in flight, but without the topic nobody can tell
-)
 MIB = 1024.0  # KiB
 
 
@@ -54,20 +45,30 @@ class Recording:
         self._bag = bag
         self._period_ns = period_ns(scenario.period)
         self._outputs = Outputs(scenario)
-        for signal in RECORDED:
-            announce(bag, f"/{signal}", signal.type, [signal.qos], gapless=True)
+        for signal in (*SIGNALS, *graph.SIGNALS):  # a recorder announces every one that it takes
+            if signal.recorded:
+                topic, gapless = f"/{signal.name.strip('/')}", signal.every_step
+                announce(bag, topic, signal.type, [signal.qos], gapless=gapless)
+
+    def setup(self) -> None:
+        """Record what a controller tells once."""
+        self._write(0, self._outputs.setup())
 
     def _write(self, step: int, told: Iterable[tuple[Signal, Any]]) -> None:
         seconds, nanoseconds = stamp = stamp_of(step, self._period_ns)
         log_time = seconds * 1_000_000_000 + nanoseconds
         for signal, value in told:
-            if signal in RECORDED:
+            if signal.recorded:
                 data = signal.encode(stamp, step, value)
-                self._bag.write(f"/{signal}", log_time, log_time, data)
+                topic = f"/{signal.name.strip('/')}"
+                self._bag.write(topic, log_time, log_time, data)
 
     def state(self, plant: Plant, applied: tuple[Vector3, Source]) -> None:
         """Record what the plant publishes."""
-        self._write(plant.state.step, plant.outputs(applied))
+        step = plant.state.step
+        self._write(step, plant.outputs(applied))
+        if step < plant.n_steps:
+            self._write(step, [(CLOCK, [stamp_of(step, self._period_ns)])])
 
     def answers(self, state: State, decision: GovernorDecision, command: Command) -> None:
         """Record what governor and controller publish."""
@@ -88,6 +89,7 @@ def make_bag(folder: Path, file: Path, steps: int) -> Path:
     with BagWriter(folder / "bag") as bag:
         bag.attach("scenario.yaml", "application/yaml", scenario.to_yaml().encode())
         recording = Recording(bag, scenario)
+        recording.setup()
         applied = (np.zeros(3), Source.ZERO)
         for _ in range(steps):
             state = loop.plant.state

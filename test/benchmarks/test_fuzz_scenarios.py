@@ -28,11 +28,11 @@ def fuzz() -> ModuleType:
     return module
 
 
-def test_a_hundred_damaged_scenarios_are_refused_or_fly() -> None:
-    """Compared with rclpy, where that is installed: the full form has 2,000 cases."""
+def test_damaged_scenarios_are_refused_or_fly() -> None:
+    """Compared with rclpy, where that is installed; none has sets to search for, which is long."""
     ros = ["--ros"] if importlib.util.find_spec("rclpy") else []
     done = subprocess.run(
-        [sys.executable, str(RUN), "--cases", "100", "--seed", "11", *ros],
+        [sys.executable, str(RUN), "--cases", "60", "--seed", "8", *ros],
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
@@ -40,7 +40,7 @@ def test_a_hundred_damaged_scenarios_are_refused_or_fly() -> None:
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.startswith("100 cases, 0 faults; ")
+    assert done.stdout.startswith("60 cases, 0 faults; ")
     flew = [word for word in done.stdout.split(", ") if word.strip().endswith("flew")]
     assert flew, done.stdout  # else nothing was built
 
