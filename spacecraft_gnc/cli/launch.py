@@ -26,7 +26,7 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.extras import require_ros
 from spacecraft_gnc.launcher.deadlines import misses_most
 from spacecraft_gnc.launcher.launcher import Launcher
-from spacecraft_gnc.launcher.outcome import REFUSED, Interrupted, NodeDied, Outcome
+from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.launcher.progress import choose
 from spacecraft_gnc.recording.metadata import METADATA_NAME, read_counts, read_losses
@@ -204,7 +204,7 @@ def _metrics(plan: LaunchPlan, outcome: Outcome) -> dict[str, Any]:
         "missed_deadlines": outcome.missed_deadlines,
         "restarts": list(outcome.restarts),
         "strangers": list(outcome.strangers),
-        "messages_refused": {name: dict(counts) for name, counts in outcome.refused.items()},
+        "messages_refused": {name: dict(n) for name, n in outcome.refused.items() if n},
         "bags": list(outcome.bags),
         "messages_lost": sum(sum(read_losses(Path(bag)).values()) for bag in outcome.bags),
         "topics_never_published": _never_published(plan, outcome),
@@ -224,8 +224,9 @@ def _refused(outcome: Outcome) -> list[str]:
     """Return a line for each node that refused messages: how many, and why."""
     lines = []
     for name, counts in outcome.refused.items():
-        reasons = ", ".join(f"{key} {n}" for key, n in counts.items() if n and key != REFUSED)
-        lines.append(f"{counts[REFUSED]} by {name}" + (f": {reasons}" if reasons else ""))
+        reasons = ", ".join(f"{key} {count}" for key, count in counts.items())
+        if reasons:
+            lines.append(f"{sum(counts.values())} by {name}: {reasons}")
     return lines
 
 

@@ -5,12 +5,9 @@ from __future__ import annotations
 import signal
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar, Final
+from typing import ClassVar
 
 from spacecraft_gnc.errors import LaunchError
-
-REFUSED: Final = "rejected_messages"
-"""Key under which nodes tell, in their diagnostics, how many messages they refused."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +35,7 @@ class Outcome:
     strangers
         Publishers on topics of the flight that are none of its nodes: topic and node.
     refused
-        Messages that each node refused, in all and by reason.
+        Messages that each node, and the launcher, refused: by topic and kind.
     """
 
     domain_id: int

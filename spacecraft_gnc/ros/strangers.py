@@ -30,11 +30,11 @@ class Stranger(NamedTuple):
 
     topic: str
     node: str
-    """Full name; empty: it has none."""
+    """Full name; empty: not known."""
 
     def __str__(self) -> str:
         """Return the topic, and who publishes on it."""
-        return f"{self.topic}: {self.node or 'a participant without a node'}"
+        return f"{self.topic}: {self.node or 'somebody without a name'}"
 
 
 def speakers_of(fleet: Fleet) -> Speakers:

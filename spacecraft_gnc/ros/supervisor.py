@@ -28,8 +28,9 @@ from spacecraft_gnc.signals.graph import (
     WALL_STATUS,
     WALL_TIMING,
 )
+from spacecraft_gnc.signals.guard import Guard, Window
 from spacecraft_gnc.signals.members import Place, role_of, space_of
-from spacecraft_gnc.signals.seal import opener
+from spacecraft_gnc.signals.message import period_ns
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -61,6 +62,7 @@ class Supervisor:
         self._executor.add_node(self._node)
         self._nodes = {name: Managed(self._node, name) for name in names}
         self._key = key
+        self._window = Window(period_ns(fleet.leading.period), fleet.leading.n_steps)
         self._told = Told()
         self._strangers = StrangerWatch(self._node, speakers_of(fleet))
         self._listen(WALL_TIMING, "", self._told.timing)
@@ -69,12 +71,10 @@ class Supervisor:
         self._listen(DIAGNOSTICS, "", self._told.diagnostics)
 
     def _listen(self, signal: Signal, space: str, take: Callable[[bytes], None]) -> None:
-        kind, topic, qos = (
-            message_type(signal.type),
-            Place("", space).topic(signal),
-            ros_qos(signal.qos),
-        )
-        callback = self._told.guarded(topic, opener(self._key, topic), take)
+        topic = Place("", space).topic(signal)
+        guard = Guard(signal, topic, self._key, self._window)
+        callback = self._told.guarded(guard, take)
+        kind, qos = message_type(signal.type), ros_qos(signal.qos)
         self._node.create_subscription(kind, topic, callback, qos, raw=True)
 
     def __enter__(self) -> Self:
@@ -104,13 +104,19 @@ class Supervisor:
 
     @property
     def refused(self) -> Mapping[str, Mapping[str, int]]:
-        """Messages that each node refused, by what it tells of them."""
-        return self._told.refused_by_node
+        """Messages that each node, and the launcher, refused: by topic and kind."""
+        return self._told.refused
 
     @property
     def strangers(self) -> tuple[Stranger, ...]:
-        """Who publishes on topics of the flight and is none of its nodes."""
-        return self._strangers.found
+        """Who publishes on topics of the flight and is none of its nodes.
+
+        Who was gone before the graph was looked at left messages without a seal.
+        """
+        found = self._strangers.found
+        named = {stranger.topic.strip("/") for stranger in found}
+        gone = (topic for topic in self._told.unsealed() if topic.strip("/") not in named)
+        return (*found, *(Stranger(f"/{topic.strip('/')}", "") for topic in gone))
 
     def new_strangers(self, *, everywhere: bool = False) -> list[Stranger]:
         """Return those found since it was last asked; look at all topics first where told so."""

@@ -11,11 +11,13 @@ from typing import Any, Final, NamedTuple
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import deserialize_message
 
-from spacecraft_gnc.launcher.outcome import REFUSED
 from spacecraft_gnc.signals import Refused
-from spacecraft_gnc.signals.graph import WALL_TIMING
-from spacecraft_gnc.signals.seal import Cut
+from spacecraft_gnc.signals.graph import DIAGNOSTICS, WALL_TIMING
+from spacecraft_gnc.signals.guard import Guard
 
+LAUNCHER: Final = "launcher"
+_REJECTED: Final = "rejected "
+_SEAL: Final = "/seal"
 _FARNESS: Final = ("distance", "attitude_error", "wall_solve_time")
 
 
@@ -59,26 +61,32 @@ class Told:
 
     def __init__(self) -> None:
         self.progress = Progress()
-        self.refused: Counter[str] = Counter()
-        """Messages that were refused, by topic."""
-        self.refused_by_node: dict[str, dict[str, int]] = {}
-        """Messages that nodes say they refused: by node, in all and by reason."""
+        self._refused: dict[str, Counter[str]] = {}
         self._status: dict[str, _Status] = {}
 
-    def guarded(
-        self, topic: str, cut: Cut, take: Callable[[bytes], None]
-    ) -> Callable[[bytes], None]:
+    @property
+    def refused(self) -> Mapping[str, Mapping[str, int]]:
+        """Messages that each node, and the launcher, refused: by topic and kind, as nodes tell."""
+        return self._refused
+
+    def unsealed(self) -> list[str]:
+        """Topics, relative to the graph, on which somebody spoke who is not of this flight.
+
+        ``/diagnostics`` is not among them: all ROS nodes share it.
+        """
+        words = {key for counts in self._refused.values() for key in counts}
+        topics = {key.removesuffix(_SEAL) for key in words if key.endswith(_SEAL)}
+        return sorted(topics - {DIAGNOSTICS.name})
+
+    def guarded(self, guard: Guard, take: Callable[[bytes], None]) -> Callable[[bytes], None]:
         """Return a callback that hands on what has a seal and can be read, and counts the rest."""
+        counts = self._refused.setdefault(LAUNCHER, Counter())
 
         def on_message(data: bytes) -> None:
-            message = cut(data)
             try:
-                if message is not None:
-                    take(message)
-                    return
-            except Refused:
-                pass
-            self.refused[topic] += 1
+                take(guard.open(data))
+            except Refused as error:
+                counts[f"{guard.signal}/{error.kind}"] += 1
 
         return on_message
 
@@ -125,9 +133,13 @@ class Told:
             If it is none.
         """
         for name, values in diagnostics_in(data).items():
-            counts = {key: int(n) for key, n in values.items() if n.isdecimal()}
-            if counts.get(REFUSED):
-                self.refused_by_node[name] = counts
+            self._refused[name] = Counter(
+                {
+                    key.removeprefix(_REJECTED): int(count)
+                    for key, count in values.items()
+                    if key.startswith(_REJECTED) and count.isdecimal()
+                }
+            )
 
 
 def diagnostics_in(data: bytes) -> Mapping[str, Mapping[str, str]]:

@@ -65,7 +65,7 @@ def test_a_loss_is_a_failure(monkeypatch: Any, capsys: Any, tmp_path: Path, lost
 def test_a_stranger_is_a_failure(monkeypatch: Any, capsys: Any, tmp_path: Path) -> None:
     """It was named when it came; the summary repeats who it was, and who refused how much."""
     line = "/torque_command: /stranger"
-    refused = {"plant": {"rejected_messages": 5, "torque_command: no seal": 3}}
+    refused = {"plant": {"torque_command/seal": 3, "torque_command/step": 2}}
 
     def run(self: Launcher) -> Outcome:
         return replace(record(self.plan, 0), bags=(), strangers=(line,), refused=refused)
@@ -83,7 +83,7 @@ def test_a_stranger_is_a_failure(monkeypatch: Any, capsys: Any, tmp_path: Path) 
     assert (values["strangers"], values["messages_refused"]) == ([line], refused)
     rows = dict(re.split(r"\s{2,}", text.strip(), maxsplit=1) for text in told[2].splitlines()[1:])
     assert rows["STRANGER"] == line
-    assert rows["messages refused"] == "5 by plant: torque_command: no seal 3"
+    assert rows["messages refused"] == "5 by plant: torque_command/seal 3, torque_command/step 2"
 
 
 def test_limits_cannot_be_judged_without_a_recording(capsys: Any, tmp_path: Path) -> None:
