@@ -183,7 +183,8 @@ class Launcher:
         for stranger in supervisor.new_strangers(everywhere=everywhere):
             self.display.tell(
                 f"error: {stranger}: received a publisher that is none of this flight's nodes; "
-                "required none, whose messages are refused; end it, or set launcher.domain_id"
+                "required none, and its messages are refused; end it, or fly on another "
+                "launcher.domain_id"
             )
 
     def _look_at_logs(self) -> None:
