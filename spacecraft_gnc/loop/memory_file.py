@@ -53,7 +53,7 @@ class MemoryFile:
         self._map = mmap.mmap(descriptor, size)
         found = [kept for kept in map(self._read, (0, 1)) if kept is not None]
         self._number = max((self._number_of(kept.half) for kept in found), default=0)
-        self._half, self._end = 1, 0
+        self._half, self._end, self._number_here = 1, 0, 0
         self._is_open = False
 
     def find(self, step: int) -> Kept | None:
@@ -67,6 +67,7 @@ class MemoryFile:
     def go_on(self, kept: Kept) -> None:
         """Add further inputs behind those found."""
         self._half, self._end, self._is_open = kept.half, kept.end, True
+        self._number_here = self._number_of(kept.half)
 
     def keep(self, step: int, memory: bytes) -> None:
         """Keep a memory after a step; the one before stays until the next."""
@@ -77,7 +78,8 @@ class MemoryFile:
         if not self._is_open:
             self.clear()
             return
-        self._half, self._number, self._end = half, number, _MEMORY.size + len(memory)
+        self._half, self._end = half, _MEMORY.size + len(memory)
+        self._number = self._number_here = number
         self._map[at + _MEMORY.size : at + self._end] = memory
         check = _checksum(number, step, memory)
         _MEMORY.pack_into(self._map, at, number, step, len(memory), check)
@@ -93,13 +95,12 @@ class MemoryFile:
         if end > _HALF:
             self.clear()
             return
-        at, data = self._half * _HALF, self._map
+        at, data, number = self._half * _HALF, self._map, self._number_here
         data[at + first : at + second] = state
         data[at + second : at + end] = reference
-        check = _checksum(self._number_here, step, state, reference)
-        _INPUTS.pack_into(
-            data, at + self._end, self._number_here, step, len(state), len(reference), check
-        )
+        check = _checksum(number, step, state, reference)
+        lengths = len(state), len(reference)
+        _INPUTS.pack_into(data, at + self._end, number, step, *lengths, check)
         self._end = end
 
     def clear(self) -> None:
@@ -107,10 +108,6 @@ class MemoryFile:
         for half in (0, 1):
             self._map[half * _HALF : half * _HALF + _MEMORY.size] = bytes(_MEMORY.size)
         self._is_open = False
-
-    @property
-    def _number_here(self) -> int:
-        return self._number_of(self._half)
 
     def _number_of(self, half: int) -> int:
         return int(_MEMORY.unpack_from(self._map, half * _HALF)[0])

@@ -23,12 +23,16 @@ def compared(flight: Flight) -> tuple[str, ...]:
 def assert_equals_simulation(bag: Path, *overrides: str, scenario: Path = CASE1) -> None:
     """Every number of a bag is that of `gnc simulate`, to the last bit."""
     for agent, loop in load_fleet(scenario, overrides).build().items():
-        simulated = loop.run()
-        flown = read_flight(bag, namespace=agent or None)
-        assert not flown.info.missing
-        assert not flown.info.overridden
-        for name in compared(simulated):
-            ours, theirs = (np.asarray(getattr(f, name)) for f in (flown.trajectory, simulated))
-            # a step without a solve has no residual: NaN on both sides
-            assert ours.dtype == theirs.dtype, (agent, name)
-            assert np.array_equal(ours, theirs, equal_nan=True), (agent, name)
+        assert_equals_flight(bag, loop.run(), agent)
+
+
+def assert_equals_flight(bag: Path, simulated: Flight, agent: str = "") -> None:
+    """Every number of a bag is that of a flight without ROS, to the last bit."""
+    flown = read_flight(bag, namespace=agent or None)
+    assert not flown.info.missing
+    assert not flown.info.overridden
+    for name in compared(simulated):
+        ours, theirs = (np.asarray(getattr(f, name)) for f in (flown.trajectory, simulated))
+        # a step without a solve has no residual: NaN on both sides
+        assert ours.dtype == theirs.dtype, (agent, name)
+        assert np.array_equal(ours, theirs, equal_nan=True), (agent, name)
