@@ -28,8 +28,8 @@ from spacecraft_gnc.analysis.audit import audit_bag
 from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.launcher.launcher import Launcher
 from spacecraft_gnc.launcher.progress import Display, Report
+from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.recording.columns import read_columns
-from spacecraft_gnc.recording.reader import open_bag
 from spacecraft_gnc.scenario import load
 from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, TARGET, at_rest
 from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR
