@@ -107,6 +107,7 @@ def for_node(base: Mapping[str, str], domain_id: int, key: bytes = b"") -> dict[
     prepare(environment)
     environment[DOMAIN_ID] = str(domain_id)
     environment[SUPERVISED] = "1"
+    environment.pop(MEMORY, None)
     environment["PYTHONUNBUFFERED"] = "1"  # keeps the last output of a killed node
     if _LIBRARY_PATH not in environment:
         environment.pop(_BOOTSTRAPPED, None)
