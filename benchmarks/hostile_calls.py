@@ -40,9 +40,32 @@ PATIENCE = 30.0  # [s] wall for the answers to come
 TOGETHER = 8  # calls that may be without an answer at a time
 STORM = 100  # goals or cancels sent at once
 SEND_GOAL, GET_RESULT = SlewTo.Impl.SendGoalService, SlewTo.Impl.GetResultService
-WORDS = ("", "duration", "use_sim_time", "inertia", "no.such", "\0", "é" * 40, "a" * 5000, "...")
+WORDS = ("", "duration", "use_sim_time", "inertia", "no.such", "\0", "é" * 40, "a" * 1000, "...")
 LABELS = ("", "", "configure", "activate", "deactivate", "cleanup", "shutdown", "destroy", "x" * 99)
 ODD = (math.nan, math.inf, -math.inf, -0.0, 1e308, 5e-324, 0.1, 2.0)
+SETS = (
+    (SetParameters, "set_parameters"),
+    (SetParametersAtomically, "set_parameters_atomically"),
+)
+READS = (
+    (GetParameters, "get_parameters"),
+    (GetParameterTypes, "get_parameter_types"),
+    (DescribeParameters, "describe_parameters"),
+    (ListParameters, "list_parameters"),
+)
+CHANGE = (ChangeState, "change_state")
+LOOKS = (
+    (GetState, "get_state"),
+    (GetAvailableStates, "get_available_states"),
+    (GetAvailableTransitions, "get_available_transitions"),
+    (GetAvailableTransitions, "get_transition_graph"),
+    (GetTypeDescription, "get_type_description"),
+)
+ACTION = (
+    (SEND_GOAL, "slew_to/_action/send_goal"),
+    (CancelGoal, "slew_to/_action/cancel_goal"),
+    (GET_RESULT, "slew_to/_action/get_result"),
+)
 
 
 class Stranger:
@@ -74,6 +97,11 @@ class Stranger:
         self._node = Node("stranger", context=self._context, start_parameter_services=False)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self._node)
+        for node in nodes:  # all at once: to discover each takes a while
+            for kind, service in (*SETS, *READS, CHANGE, *LOOKS):
+                self._create(kind, f"{node}/{service}")
+        for kind, name in ACTION:
+            self._create(kind, name)
 
     def close(self) -> None:
         """Leave the domain."""
@@ -85,11 +113,13 @@ class Stranger:
 
     def client(self, kind: type, name: str) -> Any:
         """Return the client of a service, which answers by now."""
-        key = kind, name
-        if key not in self._clients:
-            client = self._clients[key] = self._node.create_client(kind, name)
+        client = self._clients[kind, name]
+        if not client.service_is_ready():
             self._spin(client.service_is_ready)
-        return self._clients[key]
+        return client
+
+    def _create(self, kind: type, name: str) -> None:
+        self._clients[kind, name] = self._node.create_client(kind, name)
 
     def call(self, kind: type, name: str, request: Any, *, waits: bool = True) -> Any:
         """Send a request; return the future of its answer."""
@@ -154,13 +184,13 @@ class Stranger:
 
     def set(self) -> None:
         """Set parameters, of types that there are and of others."""
-        node, kind = self._any(self.nodes), self._any((SetParameters, SetParametersAtomically))
-        wanted = [Parameter(name=n, value=self._value()) for n in self._some(WORDS)]
-        service = "set_parameters" if kind is SetParameters else "set_parameters_atomically"
+        node = self._any(self.nodes)
+        kind, service = self._any(SETS)
+        wanted = [Parameter(name=n, value=self._value()) for n in self._some(WORDS)[:20]]
         self.call(kind, f"{node}/{service}", kind.Request(parameters=wanted))
 
     def _value(self) -> ParameterValue:
-        numbers = [self._any(ODD) for _ in range(self._any((0, 1, 9, 5000)))]
+        numbers = [self._any(ODD) for _ in range(self._any((0, 1, 9, 500)))]
         return ParameterValue(
             type=int(self._any((*range(11), 99, 255))),
             bool_value=False,
@@ -168,21 +198,14 @@ class Stranger:
             integer_value=self._any((-(1 << 63), (1 << 63) - 1, 0)),
             string_value=self._any(WORDS),
             double_array_value=numbers,
-            string_array_value=self._some(WORDS),
+            string_array_value=self._some(WORDS)[:20],
             byte_array_value=[b"\xff"] * len(numbers),
         )
 
     def read(self) -> None:
         """Read parameters."""
         node = self._any(self.nodes)
-        kind, service = self._any(
-            (
-                (GetParameters, "get_parameters"),
-                (GetParameterTypes, "get_parameter_types"),
-                (DescribeParameters, "describe_parameters"),
-                (ListParameters, "list_parameters"),
-            )
-        )
+        kind, service = self._any(READS)
         request = kind.Request()
         if kind is ListParameters:
             request.prefixes, request.depth = self._some(WORDS), self._any((0, 1, (1 << 64) - 1))
@@ -200,15 +223,7 @@ class Stranger:
     def look(self) -> None:
         """Look at a life cycle, or at the description of a type."""
         node = self._any(self.nodes)
-        kind, service = self._any(
-            (
-                (GetState, "get_state"),
-                (GetAvailableStates, "get_available_states"),
-                (GetAvailableTransitions, "get_available_transitions"),
-                (GetAvailableTransitions, "get_transition_graph"),
-                (GetTypeDescription, "get_type_description"),
-            )
-        )
+        kind, service = self._any(LOOKS)
         request = kind.Request()
         if kind is GetTypeDescription:
             request.type_name, request.type_hash = self._any(WORDS), self._any(WORDS)
@@ -256,9 +271,7 @@ class Stranger:
     def cut_off(self) -> None:
         """Send a request of which nothing but the header arrives; nobody can answer that."""
         node = self._any(self.nodes)
-        kind, service = self._any(
-            ((SetParameters, "set_parameters"), (GetParameters, "get_parameters"))
-        )
+        kind, service = self._any((SETS[0], READS[0]))
         client = self.client(kind, f"{node}/{service}")
         with _serialized_as_nothing(kind):
             client.call_async(kind.Request())
