@@ -171,6 +171,7 @@ class Stranger:
         if self.random.random() > 0.05:
             send()
             return
+        self.collect()  # a storm pushes what waits out of the queue
         for _ in range(STORM - 1):
             send(waits=False)
         last = send()

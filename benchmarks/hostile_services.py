@@ -54,8 +54,13 @@ class Attack(Display):
         self.took = math.nan
 
     def flying(self, report: Report) -> None:
+        """Begin as soon as it flies."""
+        if report.step >= 0:
+            self.begin()
+
+    def begin(self) -> None:
         """Begin, once."""
-        if self._thread is None and self.launcher is not None and report.step >= 0:
+        if self._thread is None and self.launcher is not None:
             self.stranger = Stranger(self.launcher._domain_id, self._seed)  # noqa: SLF001
             self._thread = threading.Thread(target=self._attack)
             self._thread.start()

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from spacecraft_gnc.nodes._ends import NodeWithEnds
 
-_MOST_ITEMS: Final = 1000  # of a list in a request: more than a node has parameters
+_LONGEST: Final = 1000  # list or text in a request: more than a node has parameters
 _LONGEST_REASON: Final = 300  # characters
 _NAMELESS: Final = "received a parameter without a name; required one that is declared; name it"
 
@@ -48,7 +48,7 @@ class _Guard:
     def answer(self, request: Any, response: Any) -> Any:
         """Return the answer to a request; if there is none, that it failed."""
         try:
-            _require_short_lists(request)
+            _require_brevity(request)
             return self._answer(request, response)
         except Exception as error:  # noqa: BLE001 - whatever a request of a stranger leads to
             reason = shortened(error)
@@ -69,14 +69,14 @@ def shortened(error: Exception) -> str:
     return text if len(text) <= _LONGEST_REASON else f"{text[:_LONGEST_REASON]}..."
 
 
-def _require_short_lists(request: Any) -> None:
+def _require_brevity(request: Any) -> None:
     """Refuse what would keep the node busy for seconds."""
     for field in request.get_fields_and_field_types():
         value = getattr(request, field)
-        if isinstance(value, Sized) and not isinstance(value, str) and len(value) > _MOST_ITEMS:
+        if isinstance(value, Sized) and len(value) > _LONGEST:
             raise ValueError(
-                f"{field}: received {len(value)} items; required {_MOST_ITEMS} at most; ask for "
-                "them in parts"
+                f"{field}: received a length of {len(value)}; required {_LONGEST} at most; ask for "
+                "less at once"
             )
 
 

@@ -171,7 +171,7 @@ class _BadGoal(GncError):
 
 def _target(quaternion: Any) -> Matrix3:
     q = np.array([quaternion.x, quaternion.y, quaternion.z, quaternion.w])
-    norm = float(np.linalg.norm(q))
+    norm = math.hypot(*q)  # of huge numbers infinity, without a warning
     if not abs(norm - 1.0) <= _NORM_TOLERANCE:
         raise _BadGoal(
             f"target: received a quaternion x, y, z, w = {q.tolist()} of norm {norm:.6g}; required "

@@ -61,3 +61,26 @@ def test_else_it_is_refused(graph: Any) -> None:
     assert_equals_simulation(out / "bag", *FEW, scenario=CASE1)
     log = (out / "logs" / "nmpc_controller.log").read_text()
     assert "transition deactivate was requested by somebody else" in log
+
+
+class Impatience(Attack):
+    """Has every node configured and activated before the launcher asks for it, in any order."""
+
+    def starting(self, stages: Any) -> None:
+        self.begin()
+
+    def _attack(self) -> None:
+        assert self.stranger is not None
+        for wanted in ("configure", "activate", "configure", "deactivate", "shutdown"):
+            for node in self.stranger.nodes:
+                request = ChangeState.Request()
+                request.transition.label = wanted
+                self.stranger.call(ChangeState, f"{node}/change_state", request)
+        self.stranger.collect()
+
+
+def test_whoever_is_faster_than_the_launcher_does_its_work(graph: Any) -> None:
+    display = Impatience(1, 1)
+    out = graph.fly(*FEW, display=display)
+    assert display.stranger.unanswered == 0
+    assert_equals_simulation(out / "bag", *FEW, scenario=CASE1)

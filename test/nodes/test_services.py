@@ -123,8 +123,12 @@ def test_a_long_list_of_parameters_is_refused_one_by_one(ros: Any) -> None:
 
 
 def test_types_that_are_not_there(asked: Asked) -> None:
-    request = GetTypeDescription.Request(type_name="no/such", type_hash="RIHS01_")
-    assert not asked.call(GetTypeDescription, "get_type_description", request).successful
+    for name, refused in (("no/such", 0), ("no/such" * 1000, 1)):
+        request = GetTypeDescription.Request(type_name=name, type_hash="RIHS01_")
+        answer = asked.call(GetTypeDescription, "get_type_description", request)
+        assert not answer.successful
+        assert asked.node.refused == refused
+    assert answer.failure_reason.startswith("type_name: received a length of 7000; required 1000")
 
 
 def test_a_transition_that_there_is_not_is_answered(asked: Asked) -> None:

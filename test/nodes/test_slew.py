@@ -204,6 +204,7 @@ def test_deactivation_aborts(flight: Flight) -> None:
         {"target": Quaternion(x=0.0, y=0.0, z=0.0, w=0.0)},
         {"target": Quaternion(x=math.nan, y=0.0, z=0.0, w=1.0)},
         {"target": Quaternion(x=0.0, y=0.0, z=1.0, w=1.0)},
+        {"target": Quaternion(x=1e308, y=0.0, z=1e308, w=1e308)},
         {"tolerance": -1.0},
         {"tolerance": math.nan},
     ],
