@@ -12,9 +12,11 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from spacecraft_gnc.errors import GncError
 from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.nodes._agent import Agent
+from spacecraft_gnc.nodes._governor_watch import Trouble
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._pace import Applied, FreeRun, Lockstep
 from spacecraft_gnc.nodes._runner import run
+from spacecraft_gnc.nodes._saturation_watch import SaturationWatch
 from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.signals import Refused
 from spacecraft_gnc.signals.graph import (
@@ -57,6 +59,8 @@ class PlantNode(GncNode):
         first = next(iter(self._agents.values())).core
         self.n_steps, self._period = first.n_steps, first.period
         self._period_ns = period_ns(self._period)
+        cores = {name: agent.core for name, agent in self._agents.items()}
+        self._saturation = SaturationWatch(cores, self._period)
         self._awaited = {
             f"{self.place.root}/{name}"
             for name in self.members.names
@@ -85,6 +89,7 @@ class PlantNode(GncNode):
         """Return to the initial states; step 0 goes out once everybody is ready."""
         for agent in self._agents.values():
             agent.reset()
+        self._saturation.reset()
         self.step = 0
         self._last_timing = 0.0
         self._begun = 0.0
@@ -177,6 +182,7 @@ class PlantNode(GncNode):
             return
         self.step += 1
         self._publish()
+        self._tell(self._saturation.look(self.step))
         if self._free_run:
             self._report_timing(time.perf_counter())
         if self.step >= self.n_steps:
@@ -190,6 +196,7 @@ class PlantNode(GncNode):
 
     def _finish(self) -> None:
         self._report_timing(time.perf_counter())
+        self._tell(self._saturation.conclude(self.n_steps))
         tally = self._pace.tally
         self.get_logger().info(
             f"flew {self.n_steps} steps: {tally.missed} deadlines missed, {self.refused} messages "
@@ -204,6 +211,12 @@ class PlantNode(GncNode):
         tally = self._pace.tally
         counts = {"step": self.step, "missed": tally.missed, "held": tally.held}
         self.diagnose(DiagnosticStatus.WARN, text, counts)
+
+    def _tell(self, trouble: Trouble | None) -> None:
+        if trouble is not None:
+            self.get_logger().warning(trouble.text)
+            stamp = stamp_of(self.step, self._period_ns)
+            self.diagnose(DiagnosticStatus.WARN, trouble.text, trouble.values, stamp)
 
     def _publish(self) -> None:
         stamp = stamp_of(self.step, self._period_ns)
