@@ -24,14 +24,14 @@ LIMIT = 0.01  # [N m]
 @pytest.fixture
 def plant(ros: Any, monkeypatch: pytest.MonkeyPatch) -> Any:
     """A plant node whose actuators give 0.01 N m about an axis, at step 0."""
-    build = RigidBodyPlant.from_scenario.__func__
+    build = RigidBodyPlant.from_scenario
 
-    def limited(kind: Any, scenario: Any, **how: Any) -> RigidBodyPlant:
-        made: RigidBodyPlant = build(kind, scenario, **how)
+    def limited(scenario: Any, **how: Any) -> RigidBodyPlant:
+        made = build(scenario, **how)
         made.actuators = Actuators(component_limits(LIMIT), "N m")
         return made
 
-    monkeypatch.setattr(RigidBodyPlant, "from_scenario", classmethod(limited))
+    monkeypatch.setattr(RigidBodyPlant, "from_scenario", staticmethod(limited))
     node = ros.add(PlantNode())
     node.trigger_configure()
     node.trigger_activate()
