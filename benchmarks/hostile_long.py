@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-import json
+import re
 import subprocess
 import sys
 import time
 from argparse import Namespace
 from collections import defaultdict
+from pathlib import Path
 from statistics import median
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import psutil
 from hostile_checks import audit_failures
-from hostile_flight import ROOT, Flight, Late, Row
+from hostile_flight import NODES, ROOT, Flight, Late, Row
+
+from spacecraft_gnc.recording.timing import read_latencies
 
 _SAMPLE: Final = 0.5  # [s] wall between two looks at the memory
 _SETTLED: Final = 0.3  # of the flight, after which memory must no longer grow
@@ -95,33 +98,68 @@ def _index(flight: Flight) -> float:
     return _PER_CHUNK * len(summary.chunk_indexes) if summary else 0.0
 
 
+class Cost(NamedTuple):
+    """What the steps of a flight took."""
+
+    rate: float
+    """[steps/s]"""
+    latency: float
+    """State to command, median [s]."""
+    processor: float
+    """Of all nodes, for a step [s]."""
+
+
 def guards(options: Namespace) -> list[Row]:
-    """Fly with and without a key in turn, and compare rates and latencies."""
-    found: dict[bool, list[dict[str, Any]]] = {True: [], False: []}
+    """Fly with and without a key in turn, and compare rates, latencies and processor times."""
+    found: dict[bool, list[Cost]] = {True: [], False: []}
     for number in range(int(options.rounds)):
         for sealed in (number % 2 == 0, number % 2 == 1):
             out = options.folder / f"guards-{number}-{sealed}"
-            steps = int(options.round_steps)
-            with Flight(out, steps=steps, sealed=sealed, options=("--json",)) as flight:
-                code = flight.wait_end(300.0)
-                if code != 0:
-                    told = f"exit code {code}: {flight.errors.text[-300:]}"
-                    return [Row("guards", "", 0, "", told, False)]
-                found[sealed].append(json.loads(flight.output.text))
-    rates = {s: median(r["steps_per_second"] for r in runs) for s, runs in found.items()}
-    waits = {s: 1e3 * median(r["latency_median"] for r in runs) for s, runs in found.items()}
-    ratio = rates[True] / rates[False]
+            try:
+                found[sealed].append(_cost(out, int(options.round_steps), sealed=sealed))
+            except Late as error:
+                return [Row(_GUARDS, "", 0, "", str(error), False)]
+    own, bare = (Cost(*map(median, zip(*found[key], strict=True))) for key in (True, False))
+    ratio = own.rate / bare.rate
     return [
         Row(
-            "cost of the seals",
+            _GUARDS,
             "flights in lockstep with and without a key, in turn",
             int(options.rounds),
             f"at least {_BEST:g} of the steps a second without",
-            f"{rates[True]:.0f} steps/s with, {rates[False]:.0f} without: ratio {ratio:.3f}; "
-            f"state to command {waits[True]:.3f} ms with, {waits[False]:.3f} ms without",
+            f"{own.rate:.0f} and {bare.rate:.0f} steps/s with and without, ratio {ratio:.3f}; "
+            f"state to command {1e3 * own.latency:.3f} and {1e3 * bare.latency:.3f} ms; "
+            f"processor time {1e3 * own.processor:.3f} and {1e3 * bare.processor:.3f} ms a step",
             ratio >= _BEST,
         )
     ]
+
+
+_GUARDS: Final = "cost of the seals"
+_RATE: Final = re.compile(r"(\d+) steps/s")
+
+
+def _cost(out: Path, steps: int, *, sealed: bool) -> Cost:
+    """Fly once; the processor time is that between a tenth and nine tenths of the flight."""
+    with Flight(out, steps=steps, sealed=sealed) as flight:
+        flight.observe()
+        spent = []
+        for share in (0.1, 0.9):
+            flight.wait_step(int(share * steps))
+            spent.append((flight.progress()["step"], processor_time(flight)))
+        code = flight.wait_end(300.0)
+        if code != 0:
+            raise Late(f"exit code {code}: {flight.errors.text[-300:]}")
+        rate = float(_RATE.findall(flight.output.text)[0])
+    latency = float(np.median(read_latencies(flight.bag)))
+    (first, before), (last, after) = spent
+    each = (after - before) / (last - first)
+    return Cost(rate, latency, each)
+
+
+def processor_time(flight: Flight) -> float:
+    """Return the processor time of all nodes so far [s]."""
+    return sum(sum(flight.node(name).cpu_times()[:2]) for name in NODES)
 
 
 def repeat(options: Namespace) -> list[Row]:
