@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from node_messages import encode_reference
+from node_messages import encode_reference, tell
 
 from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.nodes._door import TokenBucket
@@ -57,11 +57,12 @@ def test_targets_that_come_too_often_are_refused(ros: Any, monkeypatch: pytest.M
     assert governor.trigger_activate().name == "SUCCESS"
     bucket = TokenBucket(20.0, 10, Clock())
     monkeypatch.setattr(governor._door, "_bucket", bucket)
-    governor._on_target(b"garbage")  # takes nothing of what the user may send
+    tell(governor, "target_attitude", b"garbage")  # takes nothing of what the user may send
     told: list[str] = []
     monkeypatch.setattr(governor, "refuse", lambda topic, reason: told.append(f"{topic}: {reason}"))
     for k in range(15):
-        governor._on_target(encode_reference((0, 0), k, Reference(turn(0.1 * k), ZERO, ZERO)))
+        target = Reference(turn(0.1 * k), ZERO, ZERO)
+        tell(governor, "target_attitude", encode_reference((0, 0), k, target))
     assert len(told) == 5
     assert told[0].startswith("target_attitude: received more than 20 targets per second; ")
     assert governor._governor.target[0, 0] == turn(0.9)[0, 0]
