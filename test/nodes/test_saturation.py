@@ -7,9 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticStatus
+from node_messages import tell
 from rclpy.serialization import deserialize_message, serialize_message
 from spacecraft_gnc_msgs.msg import PlantInvariants, TorqueCommand
+from std_msgs.msg import Header
 
 from spacecraft_gnc.nodes._saturation_watch import SaturationWatch
 from spacecraft_gnc.nodes.plant import PlantNode
@@ -46,9 +49,11 @@ def commanded(plant: Any, *torque: float) -> PlantInvariants:
     told: list[bytes] = []
     (agent,) = plant._agents.values()
     agent.publish[INVARIANTS] = told.append
-    message = TorqueCommand(step=plant.step)
+    seconds, nanoseconds = stamp_of(plant.step, plant._period_ns)
+    stamp = Time(sec=seconds, nanosec=nanoseconds)
+    message = TorqueCommand(header=Header(stamp=stamp), step=plant.step)
     message.torque.x, message.torque.y, message.torque.z = torque
-    plant._on_command("", serialize_message(message))
+    tell(plant, "torque_command", serialize_message(message))
     (data,) = told
     return deserialize_message(data, PlantInvariants)
 
