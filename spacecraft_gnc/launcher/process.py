@@ -14,6 +14,7 @@ from spacecraft_gnc.launcher.environment import LOG, TELL_WHERE
 from spacecraft_gnc.launcher.output import Output
 
 _OUTPUT_TIMEOUT: Final = 0.5  # [s] wall
+_TELL_PATIENCE: Final = 5.0  # [s] wall for the first word about threads, on a busy machine
 _POLL: Final = 0.02  # [s] wall
 
 
@@ -93,11 +94,10 @@ class NodeProcess:
         title = f"{self.name}: did not end within {self._overdue:.1f} s; its threads:\n"
         self._output.write(title.encode())
         self._popen.send_signal(TELL_WHERE)  # ends a process that has not become a node yet
-        try:
-            return self._popen.wait(_OUTPUT_TIMEOUT)
-        except subprocess.TimeoutExpired:
-            self._popen.kill()
-            return self._popen.wait()
+        if not self._output.await_more(_TELL_PATIENCE):
+            self._output.write(b"none of Python: it has not become a node yet, or is one no more\n")
+        self._popen.kill()
+        return self._popen.wait()
 
     def describe_end(self) -> str:
         """Return a description of how it ended."""

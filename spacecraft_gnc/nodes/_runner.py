@@ -38,6 +38,7 @@ from spacecraft_gnc.ros.parameters import command_line, given_parameters
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
 _RCLError = rclpy_implementation.RCLError  # has no public name
 _FAREWELL = 2.0  # [s] wall: granted to DDS at the end of a process; less than a launcher grants
+_TELL_WHERE_AFTER = 1.5  # [s] wall of these
 _DRAIN_ROUNDS = 50  # looks at an empty queue before it counts as empty
 _AUTOSTART = "autostart"
 
@@ -75,6 +76,7 @@ def _run(node_types: Sequence[Callable[[], GncNode]], argv: list[str]) -> int:
     try:
         _check_arguments(argv)
         prepare(os.environ)
+        gc.freeze()  # what was imported stays: the collection at the end is short on a busy machine
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
         executor = EventsExecutor()
         for node_type in node_types:
@@ -100,9 +102,11 @@ def _leave(executor: Executor | None, nodes: Sequence[GncNode], code: int) -> No
     """Give back what the nodes had; the process ends anyway, and its exit code is settled.
 
     It ends in time too: while a peer leaves, Fast DDS 2.14 can spin for ever where it destroys a
-    participant (eProsima/Fast-DDS#6513), and Python waits for it.
+    participant (eProsima/Fast-DDS#6513), and Python waits for it. Before it is cut short it says
+    where it hangs.
     """
     _flush()
+    faulthandler.dump_traceback_later(_TELL_WHERE_AFTER)
     end_within(_FAREWELL, code)
     if executor is not None:
         with suppress(Exception):

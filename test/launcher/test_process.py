@@ -61,6 +61,15 @@ def test_one_that_hangs_tells_where(tmp_path: Path) -> None:
     assert any("in stuck_here" in line for line in words[2:])
 
 
+def test_one_that_cannot_tell_where_it_hangs_is_told_of(tmp_path: Path) -> None:
+    process = start(STUBBORN, tmp_path / "log")
+    end_all([process], 0.1)
+    assert process.exit_code == -environment.TELL_WHERE
+    assert process.log.read_text().endswith(
+        "its threads:\nnone of Python: it has not become a node yet, or is one no more\n"
+    )
+
+
 def test_sees_the_launcher_go(tmp_path: Path) -> None:
     process = start(WAIT, tmp_path / "log")
     process._popen.stdin.close()  # what the end of the launcher does

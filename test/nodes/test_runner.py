@@ -88,6 +88,7 @@ def stuck_here(*_):
     endless.wait()
 
 class Node(RecorderNode):
+    destroy_node = stuck_here if place == "destruction" else RecorderNode.destroy_node
     on_shutdown = stuck_here if place == "shutdown" else RecorderNode.on_shutdown
 
     def start(self):
@@ -119,7 +120,7 @@ def ended_by_its_launcher(place: str, folder: Path) -> NodeProcess:
     node.end()
     if place != "library":
         reached(node, "stuck")
-    node.join(0.1 if place != "library" else 30.0)
+    node.join(0.1 if place in ("shutdown", "thread") else 30.0)
     lock.release()
     return node
 
@@ -131,6 +132,14 @@ def test_a_node_that_hangs_leaves_its_stacks(tmp_path: Path, place: str) -> None
     words = node.last_output()
     title = next(i for i, line in enumerate(words) if line.endswith("its threads:"))
     assert any("in stuck_here" in line for line in words[title:])
+
+
+def test_a_node_that_hangs_where_it_gives_up_dds_leaves_its_stacks_and_ends(
+    tmp_path: Path,
+) -> None:
+    node = ended_by_its_launcher("destruction", tmp_path)
+    assert node.exit_code == 0
+    assert any("in stuck_here" in line for line in node.last_output())
 
 
 def test_what_would_hang_after_python_has_ended_is_not_waited_for(tmp_path: Path) -> None:
