@@ -22,6 +22,7 @@ from spacecraft_gnc.signals.members import role_of, space_of
 from spacecraft_gnc.signals.seal import key_in, new_key
 
 if TYPE_CHECKING:  # rclpy is imported while the nodes start
+    from spacecraft_gnc.ros.strangers import Stranger
     from spacecraft_gnc.ros.supervisor import Supervisor
 
 _BEAT: Final = 0.05  # [s] wall: longest delay in noticing a death or a signal
@@ -56,6 +57,7 @@ class Launcher:
         self._startup_time = math.nan
         self._signal = 0
         self._has_logs = True
+        self._strangers: list[Stranger] = []
         self._warned = False
 
     def run(self) -> Outcome:
@@ -97,7 +99,7 @@ class Launcher:
             missed_deadlines=progress.missed_deadlines,
             restarts=tuple(self._restarts),
             bags=tuple(str(bag) for bag in self._bags),
-            strangers=tuple(map(str, supervisor.strangers)),
+            strangers=tuple(map(str, self._strangers)),
             refused=supervisor.refused,
         )
 
@@ -127,11 +129,12 @@ class Launcher:
                     self._watch(supervisor)
                     self.display.flying(supervisor.progress)
                     self._warn(supervisor.progress)
-                self._tell_strangers(supervisor, everywhere=True)
+                self._tell_strangers(supervisor.strangers_now())
                 supervisor.spin(0.0)
                 self._warn(supervisor.progress, over=True)
                 self._end()
                 supervisor.spin(_BEAT)  # the nodes' last words
+                self._tell_strangers(supervisor.strangers_gone())
                 self._require_good_ends()
                 return supervisor
         finally:
@@ -171,21 +174,22 @@ class Launcher:
         """Wait one polling period; check for signals and dead nodes."""
         supervisor.spin(_BEAT)
         self._look_at_logs()
-        self._tell_strangers(supervisor)
+        self._tell_strangers(supervisor.strangers)
         if self._signal:
             raise Interrupted(self._signal)
         for name, process in list(self._processes.items()):
             if process.exit_code is not None and not self._finished():
                 self._on_death(name, process, supervisor)
 
-    def _tell_strangers(self, supervisor: Supervisor, *, everywhere: bool = False) -> None:
-        """Report publishers that are none of the flight's nodes, at once."""
-        for stranger in supervisor.new_strangers(everywhere=everywhere):
-            self.display.tell(
-                f"error: {stranger}: received a publisher that is none of this flight's nodes; "
-                "required none, and its messages are refused; end it, or fly on another "
-                "launcher.domain_id"
-            )
+    def _tell_strangers(self, strangers: Sequence[Stranger]) -> None:
+        """Report those who are none of the flight's nodes, each once."""
+        for stranger in strangers:
+            if stranger not in self._strangers:
+                self._strangers.append(stranger)
+                self.display.tell(
+                    f"error: {stranger}: received what comes from none of this flight's nodes; "
+                    "required them alone; end it, or fly on another launcher.domain_id"
+                )
 
     def _look_at_logs(self) -> None:
         """Say once if a log cannot be written."""

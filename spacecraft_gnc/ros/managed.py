@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import time
 from enum import Enum
-from typing import Any
+from typing import Any, Final
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from rclpy.node import Node
+
+_CHANGE: Final = "change_state"
+_GET: Final = "get_state"
+SERVICES: Final = (_CHANGE, _GET)
+"""Of a node: what is asked of it."""
 
 
 class Stage(Enum):
@@ -37,8 +42,8 @@ class Managed:
     """
 
     def __init__(self, node: Node, name: str) -> None:
-        self._change = node.create_client(ChangeState, f"{name}/change_state")
-        self._get = node.create_client(GetState, f"{name}/get_state")
+        self._change = node.create_client(ChangeState, f"{name}/{_CHANGE}")
+        self._get = node.create_client(GetState, f"{name}/{_GET}")
         self._answer: Any = None
         self._look: Any = None
         self._looks = 0

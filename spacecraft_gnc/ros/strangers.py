@@ -1,11 +1,12 @@
-"""Strangers: publishers on topics of a flight that are none of its nodes."""
+"""Strangers: who speaks on topics of a flight, or answers for its nodes, and is none of them."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections import Counter, defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from rclpy.node import Node
@@ -13,7 +14,8 @@ from rclpy.node import Node
 from spacecraft_gnc.ros.endpoints import Endpoint
 from spacecraft_gnc.ros.graph_of import members_of, signals_of
 from spacecraft_gnc.scenario import Fleet
-from spacecraft_gnc.signals.graph import DIAGNOSTICS
+from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals.graph import DIAGNOSTICS, WALL_STATUS
 from spacecraft_gnc.signals.members import Place
 
 _ROUNDS: Final = 10  # looks in which every topic is looked at once, if there are few of them
@@ -26,14 +28,15 @@ Speakers = Mapping[str, frozenset[str]]
 
 
 class Stranger(NamedTuple):
-    """A publisher that is none of the flight's nodes."""
+    """A publisher, or a server, that is none of the flight's nodes."""
 
     topic: str
+    """Or service."""
     node: str
     """Full name; empty: not known."""
 
     def __str__(self) -> str:
-        """Return the topic, and who publishes on it."""
+        """Return the topic, and who it is."""
         return f"{self.topic}: {self.node or 'somebody without a name'}"
 
 
@@ -44,13 +47,22 @@ def speakers_of(fleet: Fleet) -> Speakers:
     which all ROS nodes share.
     """
     members = members_of(fleet)
-    return {
-        Place("", space).topic(signal): frozenset(
-            f"/{name}" for name in members.speakers(signal, space)
-        )
-        for space, signal in signals_of(fleet)
-        if signal.publishers and signal is not DIAGNOSTICS
-    }
+    speakers = {}
+    for place, signal in _topics(fleet):
+        names = members.speakers(signal, place.agent)
+        if signal.publishers and signal is not DIAGNOSTICS:
+            speakers[place.topic(signal)] = frozenset(f"/{name}" for name in names)
+    return speakers
+
+
+def _topics(fleet: Fleet) -> Iterator[tuple[Place, Signal]]:
+    """Yield each signal and where it stands; what each controller tells is there for each."""
+    for space, signal in signals_of(fleet):
+        if signal is not WALL_STATUS:
+            yield Place("", space), signal
+    for agent in fleet.agents:
+        for space in fleet.craft_of(agent) or (agent,):
+            yield Place("", space), WALL_STATUS
 
 
 class StrangerWatch:
@@ -65,18 +77,23 @@ class StrangerWatch:
         Sees the graph.
     speakers
         Who may publish.
+    services
+        Full name of the node that has each service, by the full name of the service. Which node a
+        server belongs to is not known: there may be one in each life of the node.
     """
 
-    def __init__(self, node: Node, speakers: Speakers) -> None:
+    def __init__(
+        self, node: Node, speakers: Speakers, services: Mapping[str, str] = MappingProxyType({})
+    ) -> None:
         self._node = node
         self._speakers = speakers
-        self._topics = list(speakers)
+        self._services = services
+        self._topics = [*speakers, *services]
         self._next = 0
-        self._lives = Counter(frozenset().union(*speakers.values()))
+        self._lives = Counter(frozenset(services.values()).union(*speakers.values()))
         self._seen: defaultdict[tuple[str, str], set[bytes]] = defaultdict(set)
         self._nameless: dict[bytes, float] = {}
         self._found: dict[Stranger, None] = {}
-        self._news: list[Stranger] = []
 
     @property
     def found(self) -> tuple[Stranger, ...]:
@@ -99,12 +116,11 @@ class StrangerWatch:
         for topic in self._topics:
             self._look_at(topic)
 
-    def take_news(self) -> list[Stranger]:
-        """Return the strangers found since it was last asked."""
-        news, self._news = self._news, []
-        return news
-
     def _look_at(self, topic: str) -> None:
+        if topic in self._services:
+            if self._node.count_services(topic) > self._lives[self._services[topic]]:
+                self._found[Stranger(topic, "")] = None
+            return
         for info in self._node.get_publishers_info_by_topic(topic):
             gid = bytes(info.endpoint_gid)
             name = Endpoint.of(info).node
@@ -115,13 +131,8 @@ class StrangerWatch:
             endpoints = self._seen[topic, name]
             endpoints.add(gid)
             if name not in self._speakers[topic] or len(endpoints) > self._lives[name]:
-                self._report(Stranger(topic, name))
+                self._found[Stranger(topic, name)] = None
 
     def _is_overdue(self, gid: bytes) -> bool:
         now = time.monotonic()
         return now - self._nameless.setdefault(gid, now) > _PATIENCE
-
-    def _report(self, stranger: Stranger) -> None:
-        if stranger not in self._found:
-            self._found[stranger] = None
-            self._news.append(stranger)

@@ -10,17 +10,18 @@ from typing import TYPE_CHECKING
 
 import rclpy
 from rclpy.experimental import EventsExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.ros.endpoints import message_type
-from spacecraft_gnc.ros.managed import Managed, Stage
+from spacecraft_gnc.ros.managed import SERVICES, Managed, Stage
 from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.ros.strangers import Stranger, StrangerWatch, speakers_of
 from spacecraft_gnc.ros.told import Progress, Told
 from spacecraft_gnc.scenario import Fleet
-from spacecraft_gnc.signals import Signal
+from spacecraft_gnc.signals import Refused, Signal
 from spacecraft_gnc.signals.graph import (
     CONTROLLER,
     DIAGNOSTICS,
@@ -34,6 +35,9 @@ from spacecraft_gnc.signals.message import period_ns
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+_RCLError = rclpy_implementation.RCLError  # have no public names
+_RMWError = rclpy_implementation.RMWError
 
 
 class Supervisor:
@@ -64,7 +68,8 @@ class Supervisor:
         self._key = key
         self._window = Window(period_ns(fleet.leading.period), fleet.leading.n_steps)
         self._told = Told()
-        self._strangers = StrangerWatch(self._node, speakers_of(fleet))
+        services = {f"/{name}/{service}": f"/{name}" for name in names for service in SERVICES}
+        self._strangers = StrangerWatch(self._node, speakers_of(fleet), services)
         self._listen(WALL_TIMING, "", self._told.timing)
         for space in dict.fromkeys(space_of(n) for n in names if role_of(n) == CONTROLLER):
             self._listen(WALL_STATUS, space, partial(self._told.status, space))
@@ -94,7 +99,10 @@ class Supervisor:
         self._push()
         self._strangers.look()
         while (remaining := deadline - time.monotonic()) > 0.0:
-            self._executor.spin_once(timeout_sec=remaining)
+            try:
+                self._executor.spin_once(timeout_sec=remaining)
+            except (_RCLError, _RMWError) as error:  # an answer that cannot be taken
+                self._told.refuse("ROS 2", Refused(str(error), "layout"))
         self._push()
 
     @property
@@ -109,20 +117,19 @@ class Supervisor:
 
     @property
     def strangers(self) -> tuple[Stranger, ...]:
-        """Who publishes on topics of the flight and is none of its nodes.
+        """Who has been seen on topics and services of the flight and is none of its nodes."""
+        return self._strangers.found
 
-        Who was gone before the graph was looked at left messages without a seal.
-        """
-        found = self._strangers.found
-        named = {stranger.topic.strip("/") for stranger in found}
-        gone = (topic for topic in self._told.unsealed() if topic.strip("/") not in named)
-        return (*found, *(Stranger(f"/{topic.strip('/')}", "") for topic in gone))
+    def strangers_now(self) -> tuple[Stranger, ...]:
+        """Return all, after a look at every topic and service."""
+        self._strangers.look_everywhere()
+        return self.strangers
 
-    def new_strangers(self, *, everywhere: bool = False) -> list[Stranger]:
-        """Return those found since it was last asked; look at all topics first where told so."""
-        if everywhere:
-            self._strangers.look_everywhere()
-        return self._strangers.take_news()
+    def strangers_gone(self) -> tuple[Stranger, ...]:
+        """Return those who were gone before they were seen, and left messages without a seal."""
+        named = {stranger.topic.strip("/") for stranger in self.strangers}
+        topics = (topic.strip("/") for topic in self._told.unsealed())
+        return tuple(Stranger(f"/{topic}", "") for topic in topics if topic not in named)
 
     def admit(self, name: str) -> None:
         """Expect another life of a node that is started again."""

@@ -61,7 +61,7 @@ class Told:
 
     def __init__(self) -> None:
         self.progress = Progress()
-        self._refused: dict[str, Counter[str]] = {}
+        self._refused: dict[str, Counter[str]] = {LAUNCHER: Counter()}
         self._status: dict[str, _Status] = {}
 
     @property
@@ -80,15 +80,18 @@ class Told:
 
     def guarded(self, guard: Guard, take: Callable[[bytes], None]) -> Callable[[bytes], None]:
         """Return a callback that hands on what has a seal and can be read, and counts the rest."""
-        counts = self._refused.setdefault(LAUNCHER, Counter())
 
         def on_message(data: bytes) -> None:
             try:
                 take(guard.open(data))
             except Refused as error:
-                counts[f"{guard.signal}/{error.kind}"] += 1
+                self.refuse(guard.signal, error)
 
         return on_message
+
+    def refuse(self, topic: object, error: Refused) -> None:
+        """Count what the launcher itself refuses."""
+        self._refused[LAUNCHER][f"{topic}/{error.kind}"] += 1
 
     def timing(self, data: bytes) -> None:
         """Take a message of the plant.

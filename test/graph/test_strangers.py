@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.srv import GetState
 from node_messages import ends
 from rclpy.node import Node
 
@@ -24,15 +25,17 @@ FLIGHT = ("plant.duration=800.0", "plant.command_timeout=120.0")
 
 
 @contextmanager
-def stranger(name: str) -> Iterator[Callable[[Launcher, str, Any, Any], None]]:
+def stranger(name: str) -> Iterator[Callable[[Launcher, str, Any, Any], Node]]:
     """Yield what makes a publisher of a node in the domain of a launch."""
     made: list[tuple[Node, rclpy.Context]] = []
 
-    def publish(launcher: Launcher, topic: str, kind: Any, qos: Any) -> None:
+    def publish(launcher: Launcher, topic: str, kind: Any, qos: Any) -> Node:
         context = rclpy.Context()
         rclpy.init(args=[], context=context, domain_id=launcher._domain_id)
         made.append((Node(name, context=context), context))
-        made[-1][0].create_publisher(kind, topic, qos)
+        node = made[-1][0]
+        node.create_publisher(kind, topic, qos)
+        return node
 
     yield publish
     for node, context in made:
@@ -60,8 +63,21 @@ def test_a_second_publisher_is_named_at_once(
     line = f"/{topic.strip('/')}: /{name}"
     assert graph.outcome.strangers == (line,)
     (text,) = (text for text in display.told if text.startswith("error: "))
-    assert text.startswith(f"error: {line}: received a publisher that is none of this flight's")
+    assert text.startswith(f"error: {line}: received what comes from none of this flight's nodes")
     assert graph.outcome.steps == 2000
+
+
+def test_a_second_server_of_a_node_is_named(graph: Any, at: Any) -> None:
+    """Its answers would pass for those of the node."""
+
+    def serve(launcher: Launcher) -> None:
+        node = publish(launcher, "/something_else", DiagnosticArray, 10)
+        node.create_service(GetState, "/plant/get_state", lambda _, answer: answer)
+
+    with stranger("stranger") as publish:
+        display = at(EARLY, serve)
+        graph.fly(*FLIGHT, display=display)
+    assert graph.outcome.strangers == ("/plant/get_state: somebody without a name",)
 
 
 def test_users_and_other_diagnostics_are_no_strangers(graph: Any, at: Any) -> None:
