@@ -69,15 +69,18 @@ def shortened(error: Exception) -> str:
     return text if len(text) <= _LONGEST_REASON else f"{text[:_LONGEST_REASON]}..."
 
 
-def _require_brevity(request: Any) -> None:
-    """Refuse what would keep the node busy for seconds."""
-    for field in request.get_fields_and_field_types():
-        value = getattr(request, field)
+def _require_brevity(message: Any) -> None:
+    """Refuse what would keep the node busy for seconds, or come back as quoted in the answer."""
+    for field in message.get_fields_and_field_types():
+        value = getattr(message, field)
         if isinstance(value, Sized) and len(value) > _LONGEST:
             raise ValueError(
                 f"{field}: received a length of {len(value)}; required {_LONGEST} at most; ask for "
                 "less at once"
             )
+        for part in value if isinstance(value, list) else [value]:
+            if hasattr(part, "get_fields_and_field_types"):
+                _require_brevity(part)
 
 
 def _require_names(parameters: Sequence[Parameter]) -> SetParametersResult:

@@ -26,7 +26,7 @@ from spacecraft_gnc.nodes.reference_governor import GovernorNode
 
 UNKNOWN_TYPE = Parameter(name="duration", value=ParameterValue(type=99))
 READ_ONLY = Parameter(name="start_type_description_service", value=ParameterValue(type=1))
-UNDECLARED = Parameter(name="", value=ParameterValue(type=8, double_array_value=[math.nan] * 9999))
+UNDECLARED = Parameter(name="", value=ParameterValue(type=8, double_array_value=[math.nan] * 999))
 WALL_TIME = Parameter(name="use_sim_time", value=ParameterValue(type=1, bool_value=False))
 CONFIGURE, CLEANUP, ACTIVATE, DEACTIVATE, SHUTDOWN = 1, 2, 3, 4, 7
 
@@ -117,9 +117,15 @@ def test_long_lists_are_not_worked_through(
 
 
 def test_a_long_list_of_parameters_is_refused_one_by_one(ros: Any) -> None:
-    results = Asked(ros, PlantNode).set(*[READ_ONLY] * 1001)
+    asked = Asked(ros, PlantNode)
+    results = asked.set(*[READ_ONLY] * 1001)
     assert len(results) == 1001
     assert {successful for successful, _ in results} == {False}
+    long = ParameterValue(type=8, double_array_value=[0.0] * 1001)
+    ((successful, reason),) = asked.set(Parameter(name="inertia", value=long))
+    assert not successful
+    assert reason.startswith("double_array_value: received a length of 1001; required 1000")
+    assert asked.node.refused == 2
 
 
 def test_types_that_are_not_there(asked: Asked) -> None:
