@@ -84,7 +84,8 @@ class Past:
 
     def answer(self, step: int, inputs: Inputs, compute: Callable[[], T]) -> T:
         """Return the answer to a step, and keep what a later process needs."""
-        self.take_up(step)
+        if not self._is_known:
+            self.take_up(step)
         self._file.note(step, inputs)
         answer = compute()
         self._last = step

@@ -202,6 +202,42 @@ def test_cores_that_are_replaced_fly_on_to_the_last_bit(
         assert ours == theirs, (name, k, sorted(replaced))
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["shooting", "neighboring extremals", "planned again", "governor", "wheel lost", "formation"],
+)
+def test_steps_that_nobody_answered_are_passed_over(
+    name: str, descriptors: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As in free run, where the others do not wait for a restart."""
+    monkeypatch.setattr("spacecraft_gnc.loop.past._EVERY", 4)
+    case = CASES[name]
+    scenario = load(CONFIG / f"{case.scenario}.yaml", case.overrides)
+    told, plant = Told(), scenario.build_plant()
+    plant.warm_up()
+    plant.reset()
+    state = plant.state
+    builds = (scenario.build_controller, scenario.build_governor)
+
+    def hosts() -> list[Hosted]:
+        named = zip(builds, descriptors, ("command", "decide"), strict=True)
+        return [Hosted(build(), file, told, answer) for build, file, answer in named]
+
+    controller, governor = hosts()
+    for k in range(30):
+        if k == 18:
+            controller, governor = hosts()
+        if 14 <= k < 18:
+            state = plant.step(plant.idle_control)
+            continue
+        reference = governor.answer(k, state).reference
+        command = controller.answer(k, state, reference)
+        assert np.isfinite(command.control).all()
+        state = plant.step(command.control)
+    assert controller.past.is_taken_up
+    assert governor.past.is_taken_up
+
+
 def test_without_its_past_a_core_flies_other_last_bits(descriptors: tuple[int, int]) -> None:
     """Of the test above: it can fail."""
     case = Case("gupta2015_case1", n_steps=40)
@@ -320,7 +356,7 @@ def test_a_memory_that_does_not_fit_is_told_and_left(descriptors: tuple[int, int
     core = Counter()
     past, _ = past_of(core, descriptors[0])
     past.answer(0, NOTHING, core.step)
-    core.memory = lambda: (1, 2, 3)  # type: ignore[method-assign,assignment]
+    core.memory = lambda: (1, 2, 3)  # type: ignore[method-assign]
     past.take_target(1)
     core = Counter()
     past, told = past_of(core, descriptors[0])
