@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from hostile_flight import NODES, PERIOD, ROOT, SCENARIO, Flight
@@ -21,9 +21,12 @@ from spacecraft_gnc.analysis.reader import read_flight  # noqa: E402
 from spacecraft_gnc.errors import GncError  # noqa: E402
 from spacecraft_gnc.recording.bag import open_bag  # noqa: E402
 from spacecraft_gnc.recording.rebuild import rebuild  # noqa: E402
-from spacecraft_gnc.scenario import load  # noqa: E402
+from spacecraft_gnc.ros.graph_of import signals_of  # noqa: E402
+from spacecraft_gnc.scenario import load, load_fleet  # noqa: E402
+from spacecraft_gnc.signals.graph import CLOCK, RECORDER  # noqa: E402
 
-REJECTED: Final = "rejected_messages"
+_REJECTED: Final = "rejected "
+_DEEP: Final = 100  # messages that DDS keeps
 _TRACES: Final = ("Traceback", "terminate called", "Segmentation", "Fatal Python error")
 
 
@@ -90,11 +93,32 @@ def traces(flight: Flight) -> list[str]:
     return [name for name, text in texts.items() if any(trace in text for trace in _TRACES)]
 
 
-def refused(side: Side) -> Counter[str]:
-    """Return how many messages each node says that it refused, as it told last."""
-    found: Counter[str] = Counter()
-    for told in side.said("diagnostic"):
-        count: Any = told["values"].get(REJECTED)
-        if count is not None and str(count).isdigit():
-            found[told["node"]] = max(found[told["node"]], int(count))
+def refused(side: Side) -> Counter[tuple[str, str]]:
+    """Return how many messages each (node, topic) says that it refused, as it told last."""
+    found: Counter[tuple[str, str]] = Counter()
+    for node, values in {told["node"]: told["values"] for told in side.said("diagnostic")}.items():
+        for key, count in values.items():
+            if key.startswith(_REJECTED):
+                topic = key.removeprefix(_REJECTED).rpartition("/")[0].strip("/")
+                found[node, topic] += int(count)
     return found
+
+
+def refusals_due(sent: Mapping[str, int]) -> dict[tuple[str, str], int]:
+    """Return how many refusals each (node, topic) owes for messages sent, by topic.
+
+    Each node that hears a topic refuses each of its messages, but for two kinds of topics that are
+    left out: those of which DDS keeps only the last few, so that nobody knows how many arrive, and
+    targets at the recorder, which records what users sent, good or bad.
+    """
+    due: dict[tuple[str, str], int] = {}
+    for _, signal in signals_of(load_fleet(SCENARIO)):
+        topic = signal.name.strip("/")
+        heard = [
+            *signal.subscribers,
+            *([RECORDER] if signal.recorded and signal.publishers else []),
+        ]
+        if signal.qos.depth >= _DEEP and topic != CLOCK.name.strip("/"):
+            due |= {(node, topic): sent.get(topic, 0) for node in heard}
+    recorded = sent.get(CLOCK.name.strip("/"), 0)
+    return due | ({(RECORDER, "clock"): recorded} if recorded else {})

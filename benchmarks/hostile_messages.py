@@ -11,6 +11,7 @@ import random
 import struct
 from collections import deque
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, Final
 
 from rclpy.serialization import serialize_message
@@ -97,9 +98,11 @@ class Attack:
         for _ in range(_TRIES):
             kind = self._chance.choice(self.kinds)
             data = self._kinds[kind](signal, topic)
+            if data is not None and is_fixed(signal.type):
+                data = data[: len(self._sample(signal))]  # DDS would refuse more on our side
             if data is not None and (signal.publishers or _is_refused(signal, data)):
                 return kind, data
-        return "random bytes", self._random(signal, topic)
+        return "empty", self._empty(signal, topic)
 
     def _sample(self, signal: Signal) -> bytearray:
         return bytearray(self._genuine.sample(signal, self._chance))
@@ -177,6 +180,15 @@ def step_at(signal: Signal) -> int | None:
         return None
     end = _STAMP.size + _LENGTH.size + len(signal.frame) + 1
     return _HEAD + end + -end % _ALIGNMENT
+
+
+@lru_cache(maxsize=64)
+def is_fixed(type_name: str) -> bool:
+    """Tell whether all messages of a type have one size."""
+    fields = message_type(type_name).get_fields_and_field_types().values()
+    nested = [kind for kind in fields if "/" in kind]
+    is_flat = not any("string" in kind or "sequence" in kind for kind in fields)
+    return is_flat and all(is_fixed(kind.replace("/", "/msg/")) for kind in nested)
 
 
 def _is_refused(signal: Signal, data: bytes) -> bool:

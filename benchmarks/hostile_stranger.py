@@ -171,9 +171,8 @@ def send(stranger: Stranger, job: dict[str, Any]) -> None:
         for subscription in heard:
             stranger.node.destroy_subscription(subscription)
     attack = Attack(job["seed"], genuine)
-    own = (WALL_TIMING, DIAGNOSTICS)
-    audience = {s: p.get_subscription_count() - (s in own) for s, p in publishers.items()}
-    sent, kinds, due = Counter(), Counter(), 0
+    sent: Counter[str] = Counter()
+    kinds: Counter[str] = Counter()
     targets = [signal for signal in signals if signal in last or not job["echo"]]
     for signal in _paced(stranger, targets, job["count"], job["rate"]):
         topic = topic_of(signal)
@@ -184,8 +183,7 @@ def send(stranger: Stranger, job: dict[str, Any]) -> None:
             kind = _published(publishers[signal], partial(attack.message, signal, topic))
         sent[topic] += 1
         kinds[kind] += 1
-        due += audience[signal]
-    say("sent", flying=flying, topics=sent, kinds=kinds, due=due, total=sum(sent.values()))
+    say("sent", flying=flying, topics=sent, kinds=kinds, total=sum(sent.values()))
     watch(stranger, job)
 
 
