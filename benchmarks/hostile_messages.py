@@ -1,6 +1,7 @@
 """Hostile messages: what a stranger may put on a topic of the graph, each of a named kind, seeded.
 
-All kinds are bytes; what makes them hostile is said by their functions. On a topic that users may
+All kinds are bytes; what makes them hostile is said by their functions. None is without a byte: of
+a writer that sends one without any, DDS delivers nothing more. On a topic that users may
 publish on (a target) only what its declaration refuses is sent: a target that is one would rightly
 be flown to.
 """
@@ -100,7 +101,7 @@ class Attack:
             data = self._kinds[kind](signal, topic)
             if data is not None and is_fixed(signal.type):
                 data = data[: len(self._sample(signal))]  # DDS would refuse more on our side
-            if data is not None and (signal.publishers or _is_refused(signal, data)):
+            if data and (signal.publishers or _is_refused(signal, data)):
                 return kind, data
         return "empty", self._empty(signal, topic)
 

@@ -21,6 +21,7 @@ import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from hostile_messages import Attack, Genuine, step_at
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
@@ -183,6 +184,10 @@ def send(stranger: Stranger, job: dict[str, Any]) -> None:
             kind = _published(publishers[signal], partial(attack.message, signal, topic))
         sent[topic] += 1
         kinds[kind] += 1
+    deadline = time.monotonic() + _PATIENCE
+    for publisher in publishers.values():  # what DDS lost it sends again within seconds
+        left = max(deadline - time.monotonic(), 0.0)
+        publisher.wait_for_all_acked(Duration(seconds=left))
     say("sent", flying=flying, topics=sent, kinds=kinds, total=sum(sent.values()))
     watch(stranger, job)
 
