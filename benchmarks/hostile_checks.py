@@ -26,7 +26,7 @@ from spacecraft_gnc.scenario import load, load_fleet  # noqa: E402
 from spacecraft_gnc.signals.graph import CLOCK, RECORDER  # noqa: E402
 
 _REJECTED: Final = "rejected "
-_DEEP: Final = 100  # messages that DDS keeps
+_DEEP: Final = 1000  # messages that DDS keeps
 _TRACES: Final = ("Traceback", "terminate called", "Segmentation", "Fatal Python error")
 
 

@@ -10,6 +10,7 @@ from hostile_flight import NODES, SCENARIO, Flight, Late, Row
 
 FREE_RUN: Final = ("plant.mode=free_run", "plant.real_time_factor={:g}")
 _SURE: Final = 0.99  # of the refusals due: a tick of /clock that equals the one before is none
+_NOISE: Final = 0.01  # of all deadlines: two free runs on one machine differ by as much
 _ENDED: Final = (130, 1)  # ended by Ctrl-C; 1: and because of the stranger
 
 
@@ -27,6 +28,11 @@ class Attacked(NamedTuple):
     code: int
     told: str
     """Why something went wrong."""
+
+    @property
+    def share(self) -> float:
+        """Deadlines missed, of all."""
+        return self.missed / max(self.steps, 1)
 
 
 def messages(options: Namespace) -> list[Row]:
@@ -64,7 +70,7 @@ def _free_run(options: Namespace) -> Row:
         hits[echo] = _attacked(flight, options, echo=echo)
     harmless, hostile = hits[True], hits[False]
     problems = [hit.told or ", ".join(hit.ended) for hit in hits.values()]
-    is_fine = not any(problems) and hostile.missed <= harmless.missed
+    is_fine = not any(problems) and hostile.share <= harmless.share + _NOISE
     return Row(
         "messages, free run",
         f"the same at {options.factor:g} times real time; before it as many repeated genuine ones",
