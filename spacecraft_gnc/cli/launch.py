@@ -30,6 +30,8 @@ from spacecraft_gnc.launcher.outcome import Interrupted, NodeDied, Outcome
 from spacecraft_gnc.launcher.plan import LaunchPlan, make_plan
 from spacecraft_gnc.launcher.progress import choose
 from spacecraft_gnc.recording.metadata import METADATA_NAME, read_counts, read_losses
+from spacecraft_gnc.signals.graph import CONTROLLER
+from spacecraft_gnc.signals.members import role_of
 
 OutOption = Annotated[
     Path | None,
@@ -99,10 +101,11 @@ def launch(
             print(f"  the bag was cut off: gnc recover {plan.bag}", file=sys.stderr)
         raise typer.Exit(error.exit_code) from error
     is_complete = _shout_losses(outcome.bags)
+    is_answered = _shout_silence(plan, outcome)
     metrics = _metrics(plan, outcome) if strict or as_json or not quiet else {}
     _report(plan, outcome, metrics, as_json=as_json, quiet=quiet)
     require_within_limits(plan.scenario.path, metrics.get("limits_exceeded", ()), strict)
-    if outcome.strangers or not is_complete:
+    if outcome.strangers or not (is_complete and is_answered):
         raise typer.Exit(1)
 
 
@@ -155,6 +158,20 @@ def _shout_losses(bags: Sequence[str | Path]) -> bool:
             listed = ", ".join(f"{topic} {count}" for topic, count in lost.items())
             print_error(f"{bag}: MESSAGES LOST, the bag is not complete: {listed}")
     return not any(lost_by_bag.values())
+
+
+def _shout_silence(plan: LaunchPlan, outcome: Outcome) -> bool:
+    """Say on stderr, however quiet, that lockstep went on without commands; return whether not."""
+    plant = plan.scenario.plant
+    commanded = CONTROLLER in map(role_of, plan.nodes)  # else nobody was to answer
+    if plant.mode == "free_run" or not outcome.missed_deadlines or not commanded:
+        return True
+    print_error(
+        f"plant: no command within {plant.command_timeout:g} s for {outcome.missed_deadlines} of "
+        f"{outcome.steps} steps, and idle control instead; required one for each step, else the "
+        f"flight is not that of gnc simulate; {plan.logs / 'plant.log'} names the steps"
+    )
+    return False
 
 
 def _never_published(plan: LaunchPlan, outcome: Outcome) -> list[str]:
