@@ -14,7 +14,7 @@ import argparse
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -65,7 +65,7 @@ def services(options: argparse.Namespace) -> list[Row]:
     ]
 
 
-EXPERIMENTS: Final[dict[str, Callable[[argparse.Namespace], list[Row]]]] = {
+EXPERIMENTS: Final[dict[str, Callable[[argparse.Namespace], Iterable[Row]]]] = {
     "messages": messages,
     "steering": steering,
     "services": services,
@@ -89,10 +89,9 @@ def main() -> int:
         begun = time.monotonic()
         with TemporaryDirectory(prefix=f"gnc_hostile_{name}_") as folder:
             options.folder = Path(folder)
-            found = EXPERIMENTS[name](options)
-        rows += found
-        for row in found:
-            print(_line(row), flush=True, file=sys.stderr if options.markdown else sys.stdout)
+            for row in EXPERIMENTS[name](options):
+                rows.append(row)
+                print(_line(row), flush=True, file=sys.stderr if options.markdown else sys.stdout)
         print(f"  {name}: {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
     if options.markdown:
         print(_markdown(rows))

@@ -44,25 +44,21 @@ class Kill(NamedTuple):
     problem: str
 
 
-def kills(options: Namespace) -> list[Row]:
+def kills(options: Namespace) -> Iterator[Row]:
     """Kill each node in both modes, and the recorder again and again."""
     chance = random.Random(options.seed)  # noqa: S311
     modes = {"lockstep": (), "free run": tuple(c.format(options.factor) for c in FREE_RUN)}
     if options.short:
         del modes["free run"]
     nodes = ("nmpc_controller",) if options.short else NODES
-    rows = []
     for mode, changes in modes.items():
         for node in nodes:
             found = [_kill(options, node, chance, *changes) for _ in range(options.kills)]
-            rows.append(_row_of_kills(f"kill {node}, {mode}", found))
+            yield _row_of_kills(f"kill {node}, {mode}", found)
     if options.recorder_kills:
-        found = [
-            _kill(options, "recorder", chance, lossy=True) for _ in range(options.recorder_kills)
-        ]
-        rows.append(_row_of_losses(found))
-    rows.append(_next_launch(options))
-    return rows
+        number = range(options.recorder_kills)
+        yield _row_of_losses([_kill(options, "recorder", chance, lossy=True) for _ in number])
+    yield _next_launch(options)
 
 
 def _kill(
@@ -149,18 +145,14 @@ def _next_launch(options: Namespace) -> Row:
 _Break = Callable[[Flight, Namespace], None]
 
 
-def stops(options: Namespace) -> list[Row]:
+def stops(options: Namespace) -> Iterator[Row]:
     """Stop nodes, keep the processors busy, take the disk away, set the clock back."""
-    rows = [
-        _broken(options, f"stop {node}", _stop(node), "SIGSTOP, later SIGCONT") for node in NODES
-    ]
-    rows.append(_broken(options, "busy loops", _busy, f"{_LOOPS} processes in endless loops"))
-    rows += [
-        _full_disk(options),
-        _broken(options, "folder deleted", _delete, "rm -r of the run's folder"),
-    ]
-    rows.append(_set_back(options))
-    return rows
+    for node in NODES:
+        yield _broken(options, f"stop {node}", _stop(node), "SIGSTOP, later SIGCONT")
+    yield _broken(options, "busy loops", _busy, f"{_LOOPS} processes in endless loops")
+    yield _full_disk(options)
+    yield _broken(options, "folder deleted", _delete, "rm -r of the run's folder")
+    yield _set_back(options)
 
 
 def _broken(options: Namespace, name: str, act: _Break, done: str, **how: Any) -> Row:
