@@ -23,6 +23,7 @@ from spacecraft_gnc.ros.endpoints import (
     matching,
     message_type,
 )
+from spacecraft_gnc.signals.seal import without_seal
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -140,7 +141,10 @@ class GraphView:
         qos = matching([end.qos for end in self.publishers(info.name)])
         try:
             kind = message_type(info.types[0])
-            self.node.create_subscription(kind, info.name, callback, qos, raw=raw)
+            if raw:
+                self.hear(kind, info.name, callback, qos)
+            else:
+                self.node.create_subscription(kind, info.name, callback, qos)
         except ImportError as error:  # of the type, or of one that it nests
             package = (error.name or info.types[0]).partition("/")[0].partition(".")[0]
             raise GraphError(
@@ -148,6 +152,12 @@ class GraphView:
                 f"installed; install the package {package}"
             ) from error
         return info.name
+
+    def hear(self, kind: Any, topic: str, take: Callable[[bytes], None], qos: Any) -> Any:
+        """Listen to the serialized messages of a topic, whoever sends them; seals are left out."""
+        return self.node.create_subscription(
+            kind, topic, lambda data: take(without_seal(data)), qos, raw=True
+        )
 
     def publishers(self, full_name: str) -> list[Endpoint]:
         """Who publishes on a topic, with the profiles they offer."""

@@ -116,7 +116,7 @@ class LiveSource:
             heard.put(signal, step, data)
 
         kind, qos = message_type(signal.type), ros_qos(signal.qos)
-        return self._view.node.create_subscription(kind, f"{prefix}{signal}", take, qos, raw=True)
+        return self._view.hear(kind, f"{prefix}{signal}", take, qos)
 
     @property
     def heard(self) -> bool:
