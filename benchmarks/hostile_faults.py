@@ -29,6 +29,7 @@ _LOST_WITHIN: Final = 1.0  # [s] wall
 _STOPPED_AT: Final = 200  # steps
 _STEPS: Final = 3_000
 _LOOPS: Final = 4
+_PATIENCE: Final = 600.0  # [s] wall for a flight on a busy machine
 _LARGEST: Final = 3 << 20  # [bytes] of a disk, or of a file
 
 
@@ -164,7 +165,7 @@ def _broken(options: Namespace, name: str, act: _Break, done: str, **how: Any) -
             flight.observe()
             flight.wait_step(_STOPPED_AT)
             act(flight, options)
-            code = flight.wait_end(180.0)
+            code = flight.wait_end(_PATIENCE)
         except Late as error:
             return Row(name, done, 1, _SAME, str(error), False)
         told = flight.errors.text
@@ -177,17 +178,16 @@ def _broken(options: Namespace, name: str, act: _Break, done: str, **how: Any) -
     else:
         errors = [line for line in told.splitlines() if line.startswith("error: ")]
         lines = [line for line in errors if any(n in line for n in (*NODES, out.name))]
-        whole = bool(lines) and not defects
-        verdict = (
-            f"ended with {code}: {lines[0].strip()[:200]}"
-            if lines
-            else f"ended with {code}, unnamed"
-        )
+        false = [line for line in errors if _STRANGER in line]  # nobody else is there
+        whole = bool(lines) and not defects and not false
+        shown = (false or lines or errors or ["no error"])[0].strip()
+        verdict = f"ended with {code}: {shown[:200]}"
     verdict += f"; defects of {defects}" if defects else ""
     seconds = f" ({flown} steps, {time.monotonic() - begun:.0f} s)"
     return Row(name, done, 1, _SAME, verdict.replace(str(out), out.name) + seconds, whole)
 
 
+_STRANGER: Final = "none of this flight's nodes"
 _SAME: Final = "bytes of `gnc simulate`, or ended by name"
 
 
@@ -207,7 +207,7 @@ def _stop(node: str) -> _Break:
 def _busy(flight: Flight, _: Namespace) -> None:
     loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(_LOOPS)]
     try:
-        flight.wait_end(180.0)
+        flight.wait_end(_PATIENCE)
     finally:
         for loop in loops:
             loop.kill()

@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any, Final, NamedTuple
 
-PATIENCE: Final = 90.0  # [s] wall for anything to happen
+PATIENCE: Final = 240.0  # [s] wall for anything to happen
 
 
 class Line(NamedTuple):
