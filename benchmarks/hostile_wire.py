@@ -143,7 +143,7 @@ def _steered(options: Namespace, mode: str, *changes: str) -> Row:
         except Late as error:
             return Row(f"steering, {mode}", "", 0, "", str(error), False)
         total = sent[0]["total"] if sent else 0
-        named = flight.errors.first("^error: .*stranger: received a publisher") is not None
+        named = flight.errors.first("^error: .*stranger: received what comes from none") is not None
         told = flight.errors.text
         counted = sum(refused(watch).values())
     problems = [] if code == 1 and named else [f"exit code {code}", told.splitlines()[-1:]]
