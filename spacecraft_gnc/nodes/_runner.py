@@ -38,7 +38,7 @@ from spacecraft_gnc.ros.parameters import command_line, given_parameters
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
 _RCLError = rclpy_implementation.RCLError  # has no public name
 _FAREWELL = 2.0  # [s] wall: granted to DDS at the end of a process; less than a launcher grants
-_TELL_WHERE_AFTER = 1.5  # [s] wall of these
+_TELL_WHERE_AFTER = 1.8  # [s] wall of these
 _DRAIN_ROUNDS = 50  # looks at an empty queue before it counts as empty
 _AUTOSTART = "autostart"
 
