@@ -59,6 +59,7 @@ def bagherzadeh(everything):
     return everything.results["bagherzadeh2023"]["values"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("paper", PAPERS)
 def test_every_figure_comes_out(everything, paper):
     checks = everything.results[paper]["checks"]
@@ -66,12 +67,14 @@ def test_every_figure_comes_out(everything, paper):
     assert not [check for check in checks if not check["ok"]]
 
 
+@pytest.mark.long
 def test_the_report_is_as_wide_as_a_wide_terminal(everything):
     lines = everything.printed.splitlines()
     assert max(len(line) for line in lines if not line.startswith("written to ")) <= 132
     assert not any(line != line.rstrip() for line in lines)
 
 
+@pytest.mark.long
 def test_neighboring_extremals_do_not_drift_but_their_open_loop_does(bagherzadeh):
     for start in bagherzadeh["starts"].values():
         largest, end = start["error_max_deg"], start["error_end_deg"]
@@ -81,6 +84,7 @@ def test_neighboring_extremals_do_not_drift_but_their_open_loop_does(bagherzadeh
         assert start["hit_rate"] > 0.8
 
 
+@pytest.mark.long
 def test_the_estimated_sensitivities_lead_to_the_same_torques(bagherzadeh):
     for variant in bagherzadeh["variants"].values():
         assert np.max(variant["integral_square_error"]) < 1e-18
@@ -94,6 +98,7 @@ def test_the_second_initial_condition_is_that_of_the_scenarios(name):
     assert load(shipped(name)).plant.initial_rotation_vector == pytest.approx(start, abs=1e-12)
 
 
+@pytest.mark.long
 def test_all_papers_are_run_printed_written_and_drawn(everything):
     code, results, printed, folder = everything
     assert code == 0

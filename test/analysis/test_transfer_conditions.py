@@ -160,6 +160,7 @@ def test_the_sweep_finds_the_least_eigenvalue(index):
     assert not is_curved(plan, least * (1.0 + 1e-5))
 
 
+@pytest.mark.long
 def test_a_saddle_is_none_to_fly():
     """About the axis of the largest moment the eigenaxis plan may be one."""
     straight = paper_transfer(170.0, (0.0, 1.0, 0.0), 60.0, torque=None)

@@ -48,9 +48,20 @@ def require_good(flight, found, within=0.6):
     assert not set(np.unique(flight.source)) & {Source.ZERO, Source.FEEDBACK}
 
 
-@pytest.mark.parametrize("kind", ["friction", "partial"])
+LONG = pytest.mark.long
+
+
+@pytest.mark.parametrize("kind", [pytest.param("friction", marks=LONG), "partial"])
 @pytest.mark.parametrize(
-    ("wheel", "time"), [(0, 250.0), (1, 20.0), (1, 100.0), (2, 0.0), (2, 100.0), (2, 250.0)]
+    ("wheel", "time"),
+    [
+        pytest.param(0, 250.0, marks=LONG),
+        pytest.param(1, 20.0, marks=LONG),
+        (1, 100.0),
+        pytest.param(2, 0.0, marks=LONG),
+        (2, 100.0),
+        pytest.param(2, 250.0, marks=LONG),
+    ],
 )
 def test_with_two_wheels_left_the_slew_is_finished(kind, wheel, time):
     flight, found, told = flown(scenario(lost={wheel: time}, wheel_loss=kind))
@@ -150,7 +161,9 @@ def test_of_three_wheels_in_a_plane_two_are_used_and_the_third_is_to_spare(first
 
 
 @pytest.mark.parametrize(
-    ("viscous", "coulomb"), [(1e-5, 1e-4), (1e-4, 1e-3)], ids=["little", "much"]
+    ("viscous", "coulomb"),
+    [(1e-5, 1e-4), pytest.param(1e-4, 1e-3, marks=LONG)],
+    ids=["little", "much"],
 )
 def test_friction_of_the_bearings_is_no_loss_and_hides_none(viscous, coulomb):
     rub = {"wheel_viscous_friction": [viscous] * 3, "wheel_coulomb_friction": [coulomb] * 3}

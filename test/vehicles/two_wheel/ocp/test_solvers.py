@@ -100,6 +100,7 @@ def test_the_chord_method_finds_the_same_plan_in_more_steps():
     assert chord.iterations >= newton.iterations
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("model", MODELS)
 def test_of_the_report_s_circle_ten_points_of_twenty_four_are_infeasible(model):
     """Figure 1: phi = 0.5 cos, psi = 0.5 sin; infeasible about pure yaw."""
