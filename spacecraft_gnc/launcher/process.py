@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -13,9 +14,10 @@ from typing import IO, Final, cast
 from spacecraft_gnc.launcher.environment import LOG, TELL_WHERE
 from spacecraft_gnc.launcher.output import Output
 
-_OUTPUT_TIMEOUT: Final = 0.5  # [s] wall
+_OUTPUT_TIMEOUT: Final = 0.3  # [s] wall
 _TELL_PATIENCE: Final = 5.0  # [s] wall for the first word about threads, on a busy machine
 _POLL: Final = 0.02  # [s] wall
+_EXIT_CODE: Final = 48  # place in /proc/PID/stat after the state: proc(5)
 
 
 class NodeProcess:
@@ -70,7 +72,8 @@ class NodeProcess:
     @property
     def exit_code(self) -> int | None:
         """Exit code, or minus the number of the signal that killed it; None while it runs."""
-        return self._popen.poll()
+        code = self._popen.poll()
+        return _code_of_main_thread(self.pid) if code is None else code
 
     def end(self) -> None:
         """Request a clean shutdown."""
@@ -142,6 +145,21 @@ def end_all(processes: Sequence[NodeProcess], patience: float) -> None:
     deadline = time.monotonic() + patience
     for process in processes:
         process.join(max(_POLL, deadline - time.monotonic()))
+
+
+def _code_of_main_thread(pid: int) -> int | None:
+    """Return the exit code of a process of which only other threads still end; else None.
+
+    A process that was killed is waited for until its last thread has run once more: seconds on a
+    busy machine.
+    """
+    try:
+        words = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
+        state, *numbers = words.rpartition(")")[2].split()
+        status = int(numbers[_EXIT_CODE])
+    except (OSError, ValueError, IndexError):
+        return None
+    return os.waitstatus_to_exitcode(status) if state in "ZX" else None
 
 
 def _signal_name(number: int) -> str:

@@ -70,6 +70,26 @@ def test_one_that_cannot_tell_where_it_hangs_is_told_of(tmp_path: Path) -> None:
     )
 
 
+LINGERING = """
+import ctypes, platform, sys, threading
+threading.Thread(target=lambda: print('up', flush=True) or threading.Event().wait()).start()
+sys.stdin.read()
+end_of_thread = {'x86_64': 60, 'aarch64': 93}[platform.machine()]
+ctypes.CDLL(None).syscall(end_of_thread, 7)
+"""
+
+
+def test_a_process_has_ended_although_its_last_threads_have_not(tmp_path: Path) -> None:
+    process = start(LINGERING, tmp_path / "log")
+    process._popen.stdin.close()
+    while process.exit_code is None:
+        pass
+    assert process._popen.poll() is None
+    assert process.describe_end() == f"plant (pid {process.pid}) ended with exit code 7"
+    process._popen.kill()
+    process.join(10.0)
+
+
 def test_sees_the_launcher_go(tmp_path: Path) -> None:
     process = start(WAIT, tmp_path / "log")
     process._popen.stdin.close()  # what the end of the launcher does
