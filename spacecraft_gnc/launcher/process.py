@@ -86,6 +86,9 @@ class NodeProcess:
         try:
             code = self._popen.wait(patience)
         except subprocess.TimeoutExpired:
+            ended = self.exit_code
+            if ended is not None:  # but for its last threads
+                return ended
             self._overdue = time.monotonic() - self._asked_at if self._asked_at else patience
             code = self._kill()
         if self._popen.stdin is not None:

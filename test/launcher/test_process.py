@@ -85,6 +85,7 @@ def test_a_process_has_ended_although_its_last_threads_have_not(tmp_path: Path) 
     while process.exit_code is None:
         pass
     assert process._popen.poll() is None
+    assert process.join(0.0) == 7
     assert process.describe_end() == f"plant (pid {process.pid}) ended with exit code 7"
     process._popen.kill()
     process.join(10.0)
