@@ -59,7 +59,8 @@ def kills(options: Namespace) -> Iterator[Row]:
     if options.recorder_kills:
         number = range(options.recorder_kills)
         yield _row_of_losses([_kill(options, "recorder", chance, lossy=True) for _ in number])
-    yield _next_launch(options)
+    if not options.short:
+        yield _next_launch(options)
 
 
 def _kill(

@@ -25,6 +25,7 @@ from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
+from rclpy.signals import SignalHandlerOptions
 
 from spacecraft_gnc.launcher.environment import prepare
 from spacecraft_gnc.loop.protocols import Source
@@ -62,7 +63,8 @@ class Stranger:
 
     def __init__(self, domain_id: int, key: str) -> None:
         prepare(os.environ)
-        rclpy.init(args=[], domain_id=domain_id)
+        quietly = SignalHandlerOptions.NO  # a signal ends it at once
+        rclpy.init(args=[], domain_id=domain_id, signal_handler_options=quietly)
         self.node = Node("stranger", enable_rosout=False, start_parameter_services=False)
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(self.node)
