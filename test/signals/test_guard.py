@@ -58,7 +58,7 @@ def kind_of(guard: Guard, data: bytes, last: int = 0) -> str | None:
         (3, (1, 200_000_001), 0, "time"),
     ],
 )
-@pytest.mark.parametrize("key", [b"", KEY])
+@pytest.mark.parametrize("key", [b"", KEY], ids=["without", "with"])  # it is random
 def test_steps_and_stamps(
     step: int, stamp: tuple[int, int] | None, last: int, kind: str | None, key: bytes
 ) -> None:
