@@ -53,6 +53,11 @@ class Attack(Display):
         self._thread: threading.Thread | None = None
         self.took = math.nan
 
+    def starting(self, stages: object) -> None:
+        """Enter the domain: to discover what nodes serve takes a while."""
+        if self.stranger is None and self.launcher is not None:
+            self.stranger = Stranger(self.launcher._domain_id, self._seed)  # noqa: SLF001
+
     def flying(self, report: Report) -> None:
         """Begin as soon as it flies."""
         if report.step >= 0:
@@ -60,8 +65,7 @@ class Attack(Display):
 
     def begin(self) -> None:
         """Begin, once."""
-        if self._thread is None and self.launcher is not None:
-            self.stranger = Stranger(self.launcher._domain_id, self._seed)  # noqa: SLF001
+        if self._thread is None and self.stranger is not None:
             self._thread = threading.Thread(target=self._attack)
             self._thread.start()
 
@@ -73,10 +77,12 @@ class Attack(Display):
 
     def close(self) -> None:
         """End it, as the flight has."""
-        if self.stranger is not None and self._thread is not None:
-            self.stranger.stops = True
+        if self.stranger is None:
+            return
+        self.stranger.stops = True
+        if self._thread is not None:
             self._thread.join()
-            self.stranger.close()
+        self.stranger.close()
 
 
 def attacked(out: Path, calls: int, seed: int, changes: Sequence[str] = ()) -> Attack:

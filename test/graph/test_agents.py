@@ -61,6 +61,7 @@ def test_one_controller_is_restarted_and_the_other_flies_on(graph: Any, at: Any)
     assert audit_bag(out, namespace="sc1").passed
 
 
+@pytest.mark.long
 def test_an_agent_without_a_controller_node_drifts_alone(graph: Any) -> None:
     nodes = "launcher.nodes=[plant, sc1/nmpc_controller, reference_governor, recorder]"
     changes = ("plant.duration=1.2", "plant.command_timeout=0.3", nodes)
@@ -75,6 +76,7 @@ def test_an_agent_without_a_controller_node_drifts_alone(graph: Any) -> None:
         assert audit.passed, audit.first
 
 
+@pytest.mark.long
 def test_in_free_run_each_agent_holds_its_own_command(graph: Any) -> None:
     changes = ("plant.mode=free_run", "plant.real_time_factor=20.0", "plant.duration=40.0")
     out = graph.fly(*changes, scenario=TWO)
@@ -84,6 +86,7 @@ def test_in_free_run_each_agent_holds_its_own_command(graph: Any) -> None:
         assert flown.torque.any()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("words", "shown"), [((), "sc1"), (("--namespace", "sc2"), "sc2")])
 def test_a_page_shows_one_of_them(graph: Any, words: tuple[str, ...], shown: str) -> None:
     chosen = free_domain()
@@ -149,6 +152,7 @@ def test_one_of_them_is_slewed_and_watched(graph: Any, at: Any) -> None:
     assert told["watched"][2] == 0
 
 
+@pytest.mark.long
 def test_agents_of_different_vehicles(graph: Any, tmp_path: Path) -> None:
     """A rigid body beside a spacecraft with wheels, in one graph and in one bag."""
     wheels = (CASE1.parent / "three_wheel_slew.yaml").read_text(encoding="utf-8")

@@ -55,6 +55,7 @@ def test_a_failure_flies_again_in_the_graph(campaign: Campaign, tmp_path: Path, 
     assert told["graph"]["bag"] == str(tmp_path / "again" / "graph" / "bag")
 
 
+@pytest.mark.long
 def test_a_row_that_another_flight_gave_is_found_out(campaign: Campaign, tmp_path: Path) -> None:
     """The row of each run, put in the place of the next."""
     table = campaign.table()
@@ -68,6 +69,7 @@ def test_a_row_that_another_flight_gave_is_found_out(campaign: Campaign, tmp_pat
     assert not report_spot_checks([checked])
 
 
+@pytest.mark.long
 def test_spot_checks(campaign: Campaign, capfd: Any) -> None:
     checked = spot_check(campaign, 2, silent=True)
     assert len({each.run for each in checked}) == 2
@@ -79,6 +81,7 @@ def test_spot_checks(campaign: Campaign, capfd: Any) -> None:
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.long
 def test_a_graph_that_ends_early_is_a_problem(
     campaign: Campaign, monkeypatch: pytest.MonkeyPatch, capfd: Any
 ) -> None:

@@ -43,6 +43,7 @@ def test_a_flight_is_that_of_simulate_and_its_audit_passes(graph: Any) -> None:
     assert audit.passed, audit.first
 
 
+@pytest.mark.long
 def test_a_lost_thruster_is_noticed_in_the_graph_as_in_simulate(graph: Any) -> None:
     out = graph.fly(COMPOSED, scenario=FAILED)
     assert_equals_simulation(out / "bag", scenario=FAILED)
@@ -95,6 +96,7 @@ class Operator:
             self.executor.spin_once(timeout_sec=0.05)
 
 
+@pytest.mark.long
 def test_a_target_in_flight(graph: Any, at: Any) -> None:
     operator = Operator()
     out: Path = graph.folder / "target"

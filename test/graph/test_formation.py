@@ -62,6 +62,7 @@ def test_one_process_flies_the_same(graph: Any) -> None:
     assert_is_simulated(graph.fly(FEW, "launcher.composed=true", scenario=UNGOVERNED), FEW)
 
 
+@pytest.mark.long
 def test_a_craft_without_a_controller_rests_and_is_named(graph: Any) -> None:
     nodes = "[plant, sc1/nmpc_controller, sc3/nmpc_controller, reference_governor, recorder]"
     changes = (FEW, "plant.command_timeout=0.3", f"launcher.nodes={nodes}")
@@ -92,6 +93,7 @@ def test_the_controller_of_one_craft_is_restarted_and_the_flight_is_the_same(
     assert_is_simulated(out, changes[0])
 
 
+@pytest.mark.long
 def test_in_free_run_every_craft_is_commanded(graph: Any) -> None:
     changes = ("plant.mode=free_run", "plant.real_time_factor=1000.0")
     out = graph.fly(*changes, scenario=UNGOVERNED)

@@ -13,7 +13,9 @@ pytestmark = pytest.mark.graph
 RUN = Path(__file__).resolve().parents[2] / "benchmarks" / "hostile.py"
 
 
-@pytest.mark.parametrize("name", ["messages", "steering", "kills"])
+@pytest.mark.parametrize(
+    "name", ["messages", "steering", pytest.param("kills", marks=pytest.mark.long)]
+)
 def test_an_attacked_flight(name: str) -> None:
     done = subprocess.run(
         [sys.executable, str(RUN), "--short", "--only", name],

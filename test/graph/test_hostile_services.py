@@ -19,11 +19,12 @@ from lifecycle_msgs.srv import ChangeState
 pytestmark = pytest.mark.graph
 
 PATIENT = "plant.command_timeout=60.0"
-SOME = ("plant.duration=1600.0", PATIENT)
-FEW = ("plant.duration=400.0", PATIENT)
+SOME = ("plant.duration=800.0", PATIENT)
+FEW = ("plant.duration=200.0", PATIENT)
 ENDLESS = ("plant.duration=40000.0", PATIENT)
 
 
+@pytest.mark.long
 def test_a_hundred_random_calls_change_nothing(tmp_path: Path) -> None:
     """The full form has 1,000: benchmarks/hostile_services.py."""
     attack = attacked(tmp_path / "run", 100, 3, SOME)
@@ -67,6 +68,7 @@ class Impatience(Attack):
     """Has every node configured and activated before the launcher asks for it, in any order."""
 
     def starting(self, stages: Any) -> None:
+        super().starting(stages)
         self.begin()
 
     def _attack(self) -> None:
@@ -79,6 +81,7 @@ class Impatience(Attack):
         self.stranger.collect()
 
 
+@pytest.mark.long
 def test_whoever_is_faster_than_the_launcher_does_its_work(graph: Any) -> None:
     display = Impatience(1, 1)
     out = graph.fly(*FEW, display=display)

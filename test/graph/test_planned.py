@@ -24,6 +24,7 @@ pytestmark = pytest.mark.graph
 
 FIGURE4 = CASE1.parent / "phogat_figure4.yaml"
 REPLANNED = CASE1.parent / "phogat_replanned.yaml"
+LONG = pytest.mark.long
 REPLANS = {
     "phogat_figure4": 0,
     "phogat_y90": 0,
@@ -68,7 +69,13 @@ def require_whole(out: Path, *, ended: bool = False) -> Any:
     return flight
 
 
-@pytest.mark.parametrize("name", REPLANS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name in ("phogat_figure4", "phogat_replanned") else pytest.param(name, marks=LONG)
+        for name in REPLANS
+    ],
+)
 def test_a_flight_is_that_of_simulate_and_its_audit_passes(graph: Any, name: str) -> None:
     scenario = CASE1.parent / f"{name}.yaml"
     out = graph.fly(scenario=scenario)

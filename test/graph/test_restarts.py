@@ -52,12 +52,13 @@ def log_of(out: Path, name: str) -> str:
     ("scenario", "step", "changes"),
     [
         ("gupta2015_case1", 300, ("plant.duration=800.0",)),
-        (
+        pytest.param(
             "gupta2015_case1",
             300,
             ("plant.duration=800.0", "nmpc_controller.method=neighboring_extremal"),
+            marks=pytest.mark.long,
         ),
-        ("phogat_replanned", 20, ()),
+        pytest.param("phogat_replanned", 20, (), marks=pytest.mark.long),
     ],
     ids=["shooting", "neighboring_extremal", "planned"],
 )
@@ -90,6 +91,7 @@ class Killer(Display):
         os.kill(self.launcher._processes[next(self._names)].pid, signal.SIGKILL)
 
 
+@pytest.mark.long
 def test_nodes_killed_at_any_moment_change_nothing_but_what_they_had_yet_to_tell(
     graph: Any,
 ) -> None:

@@ -48,8 +48,8 @@ def stranger(name: str) -> Iterator[Callable[[Launcher, str, Any, Any], Node]]:
     [
         ("stranger", TORQUE, "lockstep"),
         ("nmpc_controller", TORQUE, "lockstep"),  # the name is taken, and proves nothing
-        ("stranger", TORQUE, "free_run"),
-        ("plant", CLOCK, "free_run"),
+        pytest.param("stranger", TORQUE, "free_run", marks=pytest.mark.long),
+        pytest.param("plant", CLOCK, "free_run", marks=pytest.mark.long),
     ],
 )
 def test_a_second_publisher_is_named_at_once(
@@ -67,6 +67,7 @@ def test_a_second_publisher_is_named_at_once(
     assert graph.outcome.steps == 2000
 
 
+@pytest.mark.long
 def test_a_second_server_of_a_node_is_named(graph: Any, at: Any) -> None:
     """Its answers would pass for those of the node."""
 

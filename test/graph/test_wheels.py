@@ -32,7 +32,13 @@ def messages(bag: Path, topic: str) -> list[Any]:
         return [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(wanted)]
 
 
-@pytest.fixture(params=WHEELS)
+LONG = pytest.mark.long
+PYRAMID = "afrl_wheel_loss_pyramid"
+
+
+@pytest.fixture(
+    params=[name if name != PYRAMID else pytest.param(name, marks=LONG) for name in WHEELS]
+)
 def flown(request: Any, graph: Any) -> tuple[str, Path]:
     """A scenario, and the run of its four processes."""
     out = graph.fly(scenario=CASE1.parent / f"{request.param}.yaml")
