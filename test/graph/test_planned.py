@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from spacecraft_gnc.analysis.metrics import summarize
 from spacecraft_gnc.analysis.reader import read_flight
 from spacecraft_gnc.governors.planned.report import Cause, Phase
 from spacecraft_gnc.launcher.outcome import Interrupted
+from spacecraft_gnc.scenario import load
 
 pytestmark = pytest.mark.graph
 
@@ -135,4 +137,5 @@ def test_a_target_in_flight_is_planned_for(graph: Any, at: Any, overrides: tuple
     goal = plans[1].goal.reshape(3, 3)
     assert lie.angle_between(goal, about_x(40.0)) < 1e-9
     flight = require_whole(out, ended=True)
-    assert lie.angle_between(flight.attitude[-1], goal) < 1e-3
+    tolerance = math.radians(load(FIGURE4).governor.slew_tolerance_deg)  # it settles as it is ended
+    assert lie.angle_between(flight.attitude[-1], goal) < tolerance
