@@ -132,7 +132,13 @@ def test_what_was_flown_passes(bag):
     assert set(verdicts.values()) == {"pass"}
 
 
-@pytest.mark.parametrize(("signal", "change", "check"), FORGED)
+@pytest.mark.parametrize(
+    ("signal", "change", "check"),
+    [  # an audit lasts five seconds: CI takes every fourth
+        case if i % 4 == 0 else pytest.param(*case, marks=pytest.mark.long)
+        for i, case in enumerate(FORGED)
+    ],
+)
 def test_a_forged_message_is_named(forge, signal, change, check):
     audit = audit_bag(forge(signal, change))
     failed = [found.name for found in audit.checks if found.first]
