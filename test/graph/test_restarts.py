@@ -113,14 +113,15 @@ class TargetThenKill:
         executor.add_node(node)
         heard: list[Any] = []
         kind, name, qos = ends(ACCEPTED_TARGET)
-        node.create_subscription(kind, name, heard.append, qos)
+        answers = node.create_subscription(kind, name, heard.append, qos)
         topic = node.create_publisher(*ends(TARGET))
         patience = time.monotonic() + PATIENCE
         told = False
         try:
             while not heard:
                 assert time.monotonic() < patience, "the target was never taken"
-                if not told and topic.get_subscription_count():
+                both = topic.get_subscription_count() >= 2  # governor and recorder
+                if not told and both and answers.get_publisher_count():
                     topic.publish(TARGET.encode((0, 0), 0, at_rest(ELSEWHERE)))
                     told = True
                 executor.spin_once(timeout_sec=0.05)
@@ -146,8 +147,9 @@ class Told:
         return self._governor.decide(state)
 
 
+@pytest.mark.long  # a user has to be discovered before the flight ends
 def test_a_restarted_governor_keeps_reference_and_target(graph: Any, at: Any) -> None:
-    changes = ("plant.duration=400.0", *RESTARTS)
+    changes = ("plant.duration=800.0", *RESTARTS)  # until a user is discovered
     out = graph.fly(*changes, scenario=KALABIC, display=at(60, TargetThenKill()))
     assert graph.outcome.restarts == (GOVERNOR,)
     assert "took up the memory of step " in log_of(out, GOVERNOR)
