@@ -108,6 +108,7 @@ def test_one_bit_flipped_is_caught(tamper, field, step, component, bit):
     assert (first.step, first.field) == (told, f"{topic}.{name}[{component}]"), check
 
 
+@pytest.mark.long
 @settings(max_examples=60)
 @given(index=st.integers(0, 75), place=st.floats(0.0, 1.0, exclude_max=True), bit=st.integers(0, 7))
 def test_whatever_is_changed_ends_in_a_verdict(bag, messages, tmp_path_factory, index, place, bit):

@@ -68,7 +68,10 @@ class Flown:
         return self.written(messages)
 
 
-@pytest.fixture(scope="module", params=sorted(FLY))
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param("docking", marks=pytest.mark.long), "rigid_body", "two_wheel"],
+)
 def flown(request, tmp_path_factory):
     return Flown(request.param, tmp_path_factory.mktemp(request.param))
 

@@ -46,6 +46,7 @@ def second(messages):
     return taken
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(place=st.floats(0.0, 1.0), bit=st.integers(48, 63))
 def test_no_number_of_a_plan_stops_the_audit(bag, messages, tmp_path_factory, place, bit):

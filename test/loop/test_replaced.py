@@ -172,7 +172,14 @@ def fly(
     return flown
 
 
-@pytest.mark.parametrize("name", CASES)
+SOME = ("shooting", "nominal run", "governor", "planned governor", "wheels, shooting", "formation")
+"""Cases that CI flies."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [name if name in SOME else pytest.param(name, marks=pytest.mark.long) for name in CASES],
+)
 def test_cores_that_are_replaced_fly_on_to_the_last_bit(
     name: str, descriptors: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:

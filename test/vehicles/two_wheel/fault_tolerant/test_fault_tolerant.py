@@ -59,7 +59,7 @@ LONG = pytest.mark.long
         pytest.param(1, 20.0, marks=LONG),
         (1, 100.0),
         pytest.param(2, 0.0, marks=LONG),
-        (2, 100.0),
+        pytest.param(2, 100.0, marks=LONG),
         pytest.param(2, 250.0, marks=LONG),
     ],
 )

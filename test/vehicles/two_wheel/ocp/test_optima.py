@@ -51,7 +51,9 @@ def test_each_solver_stays_at_the_optimum_of_the_other(pair, seed):
         )
 
 
-@pytest.mark.parametrize("seed", range(10, 16))
+@pytest.mark.parametrize(
+    "seed", [10, *(pytest.param(seed, marks=pytest.mark.long) for seed in range(11, 16))]
+)
 def test_from_the_same_starts_the_sqp_finds_no_dearer_plan(pair, seed):
     attitude = near(seed, 0.35)
     ours, theirs = (solver.solve(attitude, REST) for solver in pair)
