@@ -142,7 +142,7 @@ class GraphView:
         try:
             kind = message_type(info.types[0])
             if raw:
-                self.hear(kind, info.name, callback, qos)
+                hear(self.node, kind, info.name, callback, qos)
             else:
                 self.node.create_subscription(kind, info.name, callback, qos)
         except ImportError as error:  # of the type, or of one that it nests
@@ -152,12 +152,6 @@ class GraphView:
                 f"installed; install the package {package}"
             ) from error
         return info.name
-
-    def hear(self, kind: Any, topic: str, take: Callable[[bytes], None], qos: Any) -> Any:
-        """Listen to the serialized messages of a topic, whoever sends them; seals are left out."""
-        return self.node.create_subscription(
-            kind, topic, lambda data: take(without_seal(data)), qos, raw=True
-        )
 
     def publishers(self, full_name: str) -> list[Endpoint]:
         """Who publishes on a topic, with the profiles they offer."""
@@ -229,3 +223,10 @@ class GraphView:
                 "node that has one"
             )
         return info
+
+
+def hear(node: Node, kind: Any, topic: str, take: Callable[[bytes], None], qos: Any) -> Any:
+    """Listen to the serialized messages of a topic, whoever sends them; seals are left out."""
+    return node.create_subscription(
+        kind, topic, lambda data: take(without_seal(data)), qos, raw=True
+    )

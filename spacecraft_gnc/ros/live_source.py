@@ -17,7 +17,7 @@ from spacecraft_gnc.launcher import domain
 from spacecraft_gnc.parameters.sections import DEFAULT_VEHICLE
 from spacecraft_gnc.recording.stamps import step_of
 from spacecraft_gnc.ros.endpoints import full_topic_name, message_type
-from spacecraft_gnc.ros.graph import GraphView
+from spacecraft_gnc.ros.graph import GraphView, hear
 from spacecraft_gnc.ros.graph_of import vehicle_signals
 from spacecraft_gnc.ros.heard import Heard
 from spacecraft_gnc.ros.inboxes import Rates
@@ -116,7 +116,7 @@ class LiveSource:
             heard.put(signal, step, data)
 
         kind, qos = message_type(signal.type), ros_qos(signal.qos)
-        return self._view.hear(kind, f"{prefix}{signal}", take, qos)
+        return hear(self._view.node, kind, f"{prefix}{signal}", take, qos)
 
     @property
     def heard(self) -> bool:
