@@ -20,6 +20,8 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 import psutil
 from hostile_side import PATIENCE, Lines, Side
 
+from spacecraft_gnc.signals.seal import KEY, OFF
+
 if TYPE_CHECKING:
     from typing_extensions import Self
 
@@ -90,8 +92,10 @@ class Flight:
         self._nodes: dict[str, psutil.Process] = {}
         self._environment = {k: v for k, v in os.environ.items() if k != "ROS_DOMAIN_ID"}
         self._environment |= {"PYTHONPATH": str(ROOT), **(environment or {})}
-        start = ["-m", "spacecraft_gnc"] if sealed else ["-c", _UNSEALED]
-        command = [sys.executable, *start, "launch", str(SCENARIO), "--out", str(folder), *options]
+        if not sealed:
+            self._environment[KEY] = OFF
+        start = [sys.executable, "-m", "spacecraft_gnc", "launch"]
+        command = [*start, str(SCENARIO), "--out", str(folder), *options]
         for change in self.changes:
             command += ["--set", change]
         self.command = [*command, *([] if record else ["--no-record"])]
@@ -186,7 +190,7 @@ class Flight:
     def _key(self) -> str:
         """Return the key of the flight, by which what its nodes tell is known as theirs."""
         try:
-            return self.node("plant").environ().get("SPACECRAFT_GNC_KEY", "")
+            return self.node("plant").environ().get(KEY, "")
         except psutil.Error:
             return ""
 
@@ -232,10 +236,3 @@ class Flight:
         self.output.join()
         self.errors.join()
         return self._process.returncode
-
-
-_UNSEALED: Final = (
-    "import sys, spacecraft_gnc.signals.seal as seal; seal.new_key = lambda: ''; "
-    "from spacecraft_gnc.cli.main import main; sys.argv[0] = 'gnc'; sys.exit(main())"
-)
-"""`gnc` whose launches have no key: their nodes neither seal nor check."""
