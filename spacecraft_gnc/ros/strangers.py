@@ -93,6 +93,7 @@ class StrangerWatch:
         self._lives = Counter(frozenset(services.values()).union(*speakers.values()))
         self._seen: defaultdict[tuple[str, str], set[bytes]] = defaultdict(set)
         self._nameless: dict[bytes, float] = {}
+        self._names: dict[bytes, str] = {}  # DDS finds a process that stood still again, rmw no name
         self._found: dict[Stranger, None] = {}
 
     @property
@@ -125,9 +126,10 @@ class StrangerWatch:
             gid = bytes(info.endpoint_gid)
             name = Endpoint.of(info).node
             if info.node_name == _UNKNOWN:
-                if not self._is_overdue(gid):
+                name = self._names.get(gid, "")
+                if not name and not self._is_overdue(gid):
                     continue
-                name = ""
+            self._names[gid] = name
             endpoints = self._seen[topic, name]
             endpoints.add(gid)
             if name not in self._speakers[topic] or len(endpoints) > self._lives[name]:

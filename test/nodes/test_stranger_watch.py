@@ -94,6 +94,21 @@ def test_who_has_no_name_gets_time_for_one(
     assert list(watch.found) == [Stranger(TORQUE, "")]
 
 
+def test_a_node_that_stood_still_is_no_stranger(
+    seen: SeenGraph, watch: StrangerWatch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """DDS forgets it after its lease and finds it again; its name may never come back."""
+    seen.publishers = {TORQUE: [("nmpc_controller", 1)], CLOCK: [("plant", 2)]}
+    watch.look_everywhere()
+    seen.publishers = {}
+    watch.look_everywhere()
+    seen.publishers = {TORQUE: [("_NODE_NAME_UNKNOWN_", 1)], CLOCK: [("_NODE_NAME_UNKNOWN_", 3)]}
+    for now in (100.0, 110.0):
+        monkeypatch.setattr(time, "monotonic", lambda now=now: now)
+        watch.look_everywhere()
+    assert list(watch.found) == [Stranger(CLOCK, "")]
+
+
 @pytest.mark.parametrize(
     ("scenario", "topic", "nodes"),
     [
