@@ -180,7 +180,7 @@ class _Failing:
     def solve(self, *problem: Any) -> Any:
         found = self._solver.solve(*problem)
         failed = self.step in self._failing
-        return found._replace(status=self._failure) if failed else found
+        return found.replace(status=self._failure) if failed else found
 
 
 class _Idle:
@@ -197,7 +197,7 @@ class _Idle:
         cost = ocp.cost(still, attitude, momentum, reference)
         outcome = (Status.CONVERGED, 0, float(residual), cost)
         solution = assemble(ocp, plan, as_reference(reference), outcome, 0.0, "backward_sweep")
-        return solution._replace(min_curvature=linearize(solution).min_curvature)
+        return solution.replace(min_curvature=linearize(solution).min_curvature)
 
 
 class _Recorder:

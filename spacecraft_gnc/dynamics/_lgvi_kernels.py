@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     cross,
@@ -33,7 +33,7 @@ MAX_NEWTON_STEPS = 30
 LAST_CORRECTION_SQUARED = 1e-20
 
 
-@kernel
+@inlined_kernel
 def body_inertia(body):
     """Inertia J of a packed body."""
     return (
@@ -41,7 +41,7 @@ def body_inertia(body):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def body_inverse_inertia(body):
     """J^-1 of a packed body."""
     return (
@@ -49,7 +49,7 @@ def body_inverse_inertia(body):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def body_nonstandard_inertia(body):
     """Jd of a packed body."""
     return (
@@ -57,7 +57,7 @@ def body_nonstandard_inertia(body):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def solvable(body, h, Pi):
     """Kalabic (3): whether (h hat(Pi))^2 + 4 Jd^2 >= 0, so that F exists (see `rigid_body`)."""
     a = scale(h, Pi)
@@ -125,7 +125,7 @@ def relative_quaternion(body, h, Pi):
     return q0, q, False
 
 
-@kernel
+@inlined_kernel
 def rotation_of(q0, q):
     """Rotation F of the unit quaternion (q0, q)."""
     x, y, z = q
@@ -136,14 +136,14 @@ def rotation_of(q0, q):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def rotate_back(q0, q, x):
     """F^T x as x plus a small correction: the rounding error is half an ulp of x."""
     t = scale(2.0, cross(q, x))
     return add(x, sub(cross(q, t), scale(q0, t)))
 
 
-@kernel
+@inlined_kernel
 def rotate_rows(q0, q, R):
     """R F, row by row: row^T F = F^T applied to the row as a column."""
     r0 = rotate_back(q0, q, (R[0], R[1], R[2]))
@@ -152,7 +152,7 @@ def rotate_rows(q0, q, R):
     return (r0[0], r0[1], r0[2], r1[0], r1[1], r1[2], r2[0], r2[1], r2[2])
 
 
-@kernel
+@inlined_kernel
 def polished(R):
     """One Newton-Schulz step R (3 I - R^T R)/2: squares the orthogonality error."""
     a = 1.5 - 0.5 * (R[0] * R[0] + R[3] * R[3] + R[6] * R[6])

@@ -10,9 +10,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import given, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import advance, solvable
 from spacecraft_gnc.governors._zone_kernels import zone_margin
 from spacecraft_gnc.lie._mat3_kernels import (
@@ -20,10 +18,11 @@ from spacecraft_gnc.lie._mat3_kernels import (
     load3,
     load9_rows,
     mat_t_mat,
+    store3,
     vee_antisymmetric,
 )
 from spacecraft_gnc.ocp._newton_kernels import CONVERGED
-from spacecraft_gnc.ocp._solve_kernels import solve
+from spacecraft_gnc.ocp._solve_kernels import parts_of, solve, stand_still
 
 TORQUE, MOMENTUM, CONDITION, CONVERGENCE, SOLVER = 0, 1, 2, 3, 4
 SETTLED, ONWARD = -1, -2
@@ -72,47 +71,46 @@ def examine(rows, body, h, zones, limits, metric, reserve, worst):
 
 @kernel
 def fly(
-    rows, warm, R, Pi, u, lam, margins, arena, kept,
-    single, rule, damping, estimated, tolerance, max_steps,
+    rows, warm, plan, arena, kept,
     body, h, substeps, zones, limits, metric, reserve, n_steps, state, worst,
 ):  # fmt: skip
     """Fly the loop of exact solves until it settles, violates or n steps are over.
 
-    The first arguments are those of `solve`, ``warm`` (2, N, 6) its multipliers: cold, then warm.
-    ``state`` (5, 3) is room for `advance`. Leaves the last state in ``rows``; returns what
-    `examine` says of it and its step.
+    ``warm`` (2, N, 6) are the multipliers of a solve: cold, then warm. ``plan`` is room for one,
+    ``state`` (5, 3) for `advance`. Leaves the last state in ``rows``; returns what `examine` says
+    of it and its step.
     """
-    n, is_warm = zones.shape[0], False
-    inputs = np.zeros((9, 3))  # of `solve`: a constant reference has no rate and no torque
+    n, is_warm, N = zones.shape[0], False, warm.shape[1]
     kept[0], kept[2] = 0, 0
+    stand_still(arena)
     for k in range(n_steps + 1):
         found = examine(rows, body, h, zones, limits, metric, reserve, worst)
         if found != ONWARD or k == n_steps:
             return found, k
-        inputs[:7] = rows
         status = -1
         for attempt in range(2):  # where a warm start fails, once more from zero
             if attempt == 1 and (status == CONVERGED or not is_warm):
                 break
             start = warm[1] if is_warm and attempt == 0 else warm[0]
             status = solve(
-                inputs, start, R, Pi, u, lam, margins, arena, kept,
-                single, rule, damping, estimated, tolerance, max_steps,
-            )[0]  # fmt: skip
+                given(rows[:3]), given(rows[3]), given(rows[4:]), given(start), plan, arena, kept
+            )
         if status != CONVERGED:
             return n + SOLVER, k
         is_warm = True
-        for i in range(u.shape[0]):
-            for j in range(6):
-                warm[1, i, j] = lam[i + 1, j]
+        _, _, torques, lam, _, _, _ = parts_of(plan, arena)
+        for i in range(N):
+            store3(warm[1], i, load3(lam, i + 1))
+            store3(warm[1], i, load3(lam, i + 1, 3), 3)
+        u = load3(torques, 0)
         if limits[0] > 0.0:
-            room = limits[0] - math.sqrt(dot(load3(u, 0), load3(u, 0)))
+            room = limits[0] - math.sqrt(dot(u, u))
             if violates(worst, room, limits[0], reserve, n + TORQUE):
                 return n + TORQUE, k
         for i in range(3):
             for j in range(4):
                 state[j, i] = rows[j, i]
-            state[4, i] = u[0, i]
+        store3(state, 4, u)
         if advance(body, h, state, substeps) != substeps:
             return n + CONDITION, k + 1
         for i in range(3):

@@ -36,7 +36,7 @@ from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.settling import OneStep, settled_set
 from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.solvability import largest_step
-from spacecraft_gnc.types import Array, Matrix3, Reference, State, Vector3, as_rotation
+from spacecraft_gnc.types import Matrix3, Reference, State, Vector3, as_rotation
 
 # Room [rad, share of a limit] that a new reference needs where the controller flown remembers more
 # than the one that predicts: its neighboring extremals and warm starts give other last digits.
@@ -261,10 +261,7 @@ class ShootingLoopPredictor(ControllerLoopPredictor):
             )
         n = solver.ocp.horizon
         self._solver = solver
-        self._buffers: tuple[Array, ...] = (
-            np.zeros((2, n, 6)), np.empty((n + 1, 3, 3)), np.empty((n + 1, 3)), np.empty((n, 3)),
-            np.empty((n + 1, 6)), np.empty(len(solver.ocp.zones)),
-        )  # fmt: skip
+        self._warm, self._plan = np.zeros((2, n, 6)), np.empty(solver.layout.size)
         self._room = np.empty((5, 3))
         super().__init__(
             controller, body, substeps, reference_set, target,
@@ -275,9 +272,9 @@ class ShootingLoopPredictor(ControllerLoopPredictor):
     def _fly(self, first: int, reserve: float) -> tuple[int, int]:
         start = self._rows.copy()
         found, step = fly(
-            self._rows, *self._buffers, *self._solver.work, *self._solver.settings,
-            self._body.packed, self._body.time_step, self._substeps, self._zones,
-            self._limits, self.settled.metric, reserve, self.horizon, self._room, self._worst,
+            self._rows, self._warm, self._plan, *self._solver.work, self._body.packed,
+            self._body.time_step, self._substeps, self._zones, self._limits, self.settled.metric,
+            reserve, self.horizon, self._room, self._worst,
         )  # fmt: skip
         if found == len(self._set.names) + SOLVER:
             self._rows[:] = start

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, load3
 from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, M_U, MADE_OF, MADE_OF_PI, MU0
 from spacecraft_gnc.ocp._stage_kernels import SIGMA_AT, Z_AT
@@ -23,7 +23,7 @@ def largest_row(rows, column):
     return math.sqrt(largest)
 
 
-@kernel
+@inlined_kernel
 def rounding_of(data, track, Pi):
     """What rounding may leave of the conditions, by the size of the terms that lam2 adds up."""
     N = Pi.shape[0] - 1

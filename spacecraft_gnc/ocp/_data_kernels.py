@@ -16,7 +16,7 @@ integrator whose momentum is measured.
 
 from __future__ import annotations
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, mat_vec
 
 H, ALPHA, MU0 = 0, 1, 2
@@ -24,13 +24,13 @@ Q1, P1, S_Q2, S_P2, LOG_FORM, Q_RATE, P_LOG = 3, 12, 21, 30, 39, 40, 49
 U_UNIT, MADE_OF, MADE_OF_PI, PLANT_H, M_U, D_U = 85, 86, 87, 88, 89, 90
 
 
-@kernel
+@inlined_kernel
 def data3(data, i):
     """Three consecutive numbers of ``data``."""
     return (data[i], data[i + 1], data[i + 2])
 
 
-@kernel
+@inlined_kernel
 def data9(data, i):
     """Nine consecutive numbers of ``data``."""
     return (
@@ -39,7 +39,7 @@ def data9(data, i):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def log_weight(data, row, column):
     """3 x 3 block of the weight of (Z_N, Pi_N) from a row and a column, 0 or 3 each."""
     i = P_LOG + 6 * row + column
@@ -50,7 +50,7 @@ def log_weight(data, row, column):
     )  # fmt: skip
 
 
-@kernel
+@inlined_kernel
 def quadratic(S, x):
     """Value x . S x."""
     return dot(x, mat_vec(S, x))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import kernel, unowned
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     dot,
@@ -25,11 +25,12 @@ from spacecraft_gnc.lie._mat3_kernels import (
     vee_antisymmetric,
 )
 from spacecraft_gnc.ocp._data_kernels import ALPHA, H
-from spacecraft_gnc.ocp._newton_kernels import move
+from spacecraft_gnc.ocp._newton_kernels import CONVERGED, move
 from spacecraft_gnc.ocp._solve_kernels import (
     carve,
     is_momentum,
     is_rotation,
+    parts_of,
     repeat_last,
     summarize,
 )
@@ -144,31 +145,32 @@ def _correct_until(allowed, problem, horizon, work, pattern, seen):
 
 
 @kernel
-def correct(inputs, moving, R, Pi, u, lam, margins, allowed, arena, kept):
-    """Carry the last optimum over to the state and reference in ``inputs`` (17, 3).
+def correct(inputs, moving, allowed, plan, arena, kept):
+    """Carry the last optimum over to the state and reference in ``inputs`` (17, 3), into ``plan``.
 
-    Its rows are those of `solve`, the last R and Pi, what was seen (`SEEN`) and the last R_ref. One
-    solve with the kept factorization predicts the multipliers, and one or two more correct them;
-    the last correction is not made, but shows how far the torques would move once more. Where the
-    reference is ``moving``, the last optimum is turned along with it first.
+    Its rows are R, Pi, R_ref, omega_ref, tau_ref, the last R and Pi, what was seen (`SEEN`) and the
+    last R_ref. One solve with the kept factorization predicts the multipliers, and one or two more
+    correct them; the last correction is not made, but shows how far the torques would move once
+    more. Where the reference is ``moving``, the last optimum is turned along with it first.
 
-    Returns success, the bound of the error of all torques, and the numbers of `solve`.
+    Returns success and the bound of the error of all torques. The curvature is left to the caller.
     """
-    nan = math.nan
-    N = u.shape[0]
+    plan, arena, kept, inputs = unowned(plan), unowned(arena), unowned(kept), unowned(inputs)
     R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
+    R, Pi, u, lam, margins, numbers, target = parts_of(plan, arena)
+    N = u.shape[0]
     problem, W, work, _ = carve(arena, N, margins.shape[0])
     body, data, zones, track = problem
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not is_momentum(Pi_0):
-        return False, nan, nan, nan, nan, nan, nan
+        return False, math.nan
     last = load9_rows(inputs, LAST)
     if moving:
         omega, tau = load3(inputs, 7), load3(inputs, 8)
         if not is_rotation(R_ref) or not is_momentum(omega) or not is_momentum(tau):
-            return False, nan, nan, nan, nan, nan, nan
+            return False, math.nan
         if not set_track(body, data, R_ref, omega, tau, track):
-            return False, nan, nan, nan, nan, nan, nan
+            return False, math.nan
         last = mat_mat(R_ref, mat_t_mat(load9_rows(inputs, LAST_REFERENCE), last))
     eta = small_rotation_vector(mat_t_mat(last, R_0))
     substitute(data[H], fac, resid, eta, sub(Pi_0, load3(inputs, LAST + 3)), 0.0, step)
@@ -179,7 +181,7 @@ def correct(inputs, moving, R, Pi, u, lam, margins, allowed, arena, kept):
     horizon = (R, Pi, u, lam[:N], W)
     bound, norm = _correct_until(allowed, problem, horizon, work, kept[1], seen)
     if not bound <= allowed:
-        return False, bound, norm, nan, nan, nan, nan
+        return False, bound
     move(trial, 0.0, trial, guess)
     for i in range(4):
         store3(inputs, LAST + i, load3(inputs, i))
@@ -187,7 +189,9 @@ def correct(inputs, moving, R, Pi, u, lam, margins, allowed, arena, kept):
         store9_rows(inputs, LAST_REFERENCE, R_ref)
     repeat_last(lam)
     _fill_torques(data, track, guess, u, W)  # and the controls in W, which the cost needs
-    cost = horizon_cost(data, zones, track, R, Pi, W)
-    largest, error, travel = summarize(zones, R_ref, R, W, margins)
+    store9_rows(target, 0, R_ref)
+    numbers[0], numbers[1], numbers[2] = CONVERGED, 0, norm
+    numbers[3] = horizon_cost(data, zones, track, R, Pi, W)
+    numbers[5], numbers[6], numbers[7] = summarize(zones, R_ref, R, W, margins)
     _cut(data, u, W)
-    return True, bound, norm, cost, largest, error, travel
+    return True, bound

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, load3, scale, store3
 from spacecraft_gnc.ocp._certificate_kernels import (
@@ -20,8 +20,9 @@ from spacecraft_gnc.ocp._certificate_kernels import (
 from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, MU0, P1, Q1, U_UNIT, H
 from spacecraft_gnc.ocp._stage_kernels import horizon_cost
 from spacecraft_gnc.ocp._sweep_kernels import (
+    begin,
     descent_at_saddle,
-    evaluate,
+    evaluate_begun,
     factorize,
     smallest_pivot,
     substitute,
@@ -42,40 +43,40 @@ ARRIVED = -3  # no status: Newton's full correction is within rounding of the gu
 SMALLEST_CORRECTION = 1e-10  # of the multipliers, relative to the largest
 
 
-@kernel
+@inlined_kernel
 def _at(problem, horizon, guess, resid):
     body, data, zones, track = problem
     R, Pi, u, lam, W = horizon
-    return evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W)
+    return evaluate_begun(body, data, zones, track, guess, R, Pi, u, lam, resid, W)
 
 
-@kernel
+@inlined_kernel
 def _cost(problem, horizon):
     return horizon_cost(problem[1], problem[2], problem[3], horizon[0], horizon[1], horizon[4])
 
 
-@kernel
+@inlined_kernel
 def _linearize(problem, horizon, fac, rho, estimated):
     body, data, zones, track = problem
     R, Pi, _, lam, W = horizon
     return factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated)
 
 
-@kernel
+@inlined_kernel
 def move(guess, gamma, step, trial):
     """Fill ``trial`` with guess + gamma step, all (N, 3)."""
     for k in range(guess.shape[0]):
         store3(trial, k, add(load3(guess, k), scale(gamma, load3(step, k))))
 
 
-@kernel
+@inlined_kernel
 def _newton_step(problem, work, rho):
     resid, step, fac = work[2], work[3], work[4]
     zero = (0.0, 0.0, 0.0)
     return substitute(problem[1][H], fac, resid, zero, zero, rho, step)
 
 
-@kernel
+@inlined_kernel
 def _cost_noise(problem, cost, N):
     """How far rounding may move a cost: that of R - R_ref enters it to first order."""
     data = problem[1]
@@ -84,7 +85,7 @@ def _cost_noise(problem, cost, N):
     return 1e-9 * abs(cost) + 1e-14 * math.sqrt(abs(cost) * attitude)
 
 
-@kernel
+@inlined_kernel
 def _is_better(new_cost, new_norm, cost, norm, gamma, slope, noise):
     """Armijo on the cost; near the optimum, where the cost is flat to rounding, on the residual."""
     if new_cost <= cost + SUFFICIENT_DECREASE * gamma * slope:
@@ -122,7 +123,7 @@ def _search(problem, horizon, work, rho, cost, norm, slope):
     return False, gamma, norm, 0
 
 
-@kernel
+@inlined_kernel
 def _flat(problem, norm):
     """Largest slope that is zero but for rounding; negative without a hard limit.
 
@@ -220,13 +221,17 @@ def _leave_saddle(problem, horizon, work, stage):
 def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, max_steps):
     """Iterate from the guess in ``work``; returns status, steps, residual, curvature."""
     data, track, fac = problem[1], problem[3], work[4]
+    R, Pi, _, lam, W = horizon
     h = data[H]
+    if not begin(problem[0], data, R, Pi, W):
+        return UNSOLVABLE_STEP, 0, math.inf, math.nan
     status, norm, pattern = _at(problem, horizon, work[0], work[2])
     if status != CONVERGED:
         return status, 0, math.inf, math.nan
-    _, Pi, _, lam, W = horizon
     local = norm <= LOCAL * largest_row(lam, 3)
-    rho, saddles, steps, stagnant = 0.0, 0, 0, True
+    rho, saddles, steps = 0.0, 0, 0
+    # Variables: for literals, numba would compile what they are handed to once more.
+    stagnant, never = steps == 0, steps > 0
     certifying = False  # a factorization that the chord kept from an earlier solve does not
     while True:
         if not math.isfinite(norm):
@@ -238,7 +243,7 @@ def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, ma
             # This solve's last linearization certifies, unless other limits act since.
             stage = -1
             if kept[0] == 0 or kept[1] != pattern or not certifying:
-                stage = _linearize(problem, horizon, fac, 0.0, False)
+                stage = _linearize(problem, horizon, fac, 0.0, never)
                 kept[0], kept[1] = 1, pattern
             pivot = smallest_pivot(h, fac)
             if pivot > 0.0:

@@ -1,16 +1,18 @@
 """Kernels behind `shooting.ShootingSolver`: one solve, and many.
 
-``arena`` is problem and work space of one solver, a flat array by `make_arena`; ``kept`` (4,)
-tells what of it an earlier solve left for the chord: two entries for each formulation.
+``arena`` is problem, settings and work space of one solver, a flat array by `make_arena`; ``kept``
+(4,) tells what of it an earlier solve left for the chord: two entries for each formulation.
+``plan`` takes what a solve finds, flat: `ocp.plan` says where.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import given, inlined_kernel, kernel, unowned
 from spacecraft_gnc.dynamics._lgvi_kernels import BODY_SIZE
 from spacecraft_gnc.lie._mat3_kernels import (
     dot,
@@ -22,10 +24,11 @@ from spacecraft_gnc.lie._mat3_kernels import (
     mat_t_vec,
     store3,
     store9,
+    store9_rows,
     vee_antisymmetric,
 )
 from spacecraft_gnc.ocp._certificate_kernels import is_stationary, largest_row, rounding_of
-from spacecraft_gnc.ocp._data_kernels import D_U, M_U
+from spacecraft_gnc.ocp._data_kernels import D_U, M_U, data3
 from spacecraft_gnc.ocp._newton_kernels import (
     CHORD,
     CONVERGED,
@@ -33,6 +36,7 @@ from spacecraft_gnc.ocp._newton_kernels import (
     SADDLE,
     newton,
 )
+from spacecraft_gnc.ocp._plan_kernels import cut
 from spacecraft_gnc.ocp._shooting_kernels import newton_shooting
 from spacecraft_gnc.ocp._stage_kernels import (
     Z_AT,
@@ -50,23 +54,26 @@ from spacecraft_gnc.ocp._sweep_kernels import (
 from spacecraft_gnc.ocp._track_kernels import STAGE_SIZE, STAGES_AT, set_track, track_size
 from spacecraft_gnc.types import Array
 
-BAD_STATE, BAD_REFERENCE, BAD_GUESS = -1, -2, -4
+BAD_STATE, BAD_REFERENCE, BAD_GUESS, BAD_SHAPE = -1, -2, -4, -5
 ROTATION_ERROR_SQUARED = 1e-12  # square of types.ROTATION_TOLERANCE
 _VECTORS = 12  # columns of guess, trial, resid, step
 _SINGLE = 108  # numbers of the Jacobian (6, 6) and its carrier (6, 12) of single shooting
 FORWARD_LOSS = 100.0  # of the tolerance, between costates run forward and backward
-_INPUTS = 27  # numbers of the state and reference that a batch hands to `solve`
+# From the end of the arena: numbers of steps and zones, `shooting.Settings`, and the rate and the
+# torque with which the reference moves.
+N_AT, ZONES_AT, SETTINGS_AT, MOTION_AT, TAIL = 0, 1, 2, 8, 14
 
 
-def make_arena(body: Array, data: Array, zones: Array, n: int) -> Array:
+def make_arena(body: Array, data: Array, zones: Array, n: int, settings: Sequence[float]) -> Array:
     """Return the arena for n steps, with the problem's constants in place."""
     m = int(data[M_U])
     stages = n * (work_size(m) + FACTOR_SIZE + _VECTORS)
-    room = track_size(n, m) + _SINGLE + stages + _INPUTS
-    return np.concatenate([body, data, zones.ravel(), np.zeros(room)])
+    room = np.zeros(track_size(n, m) + _SINGLE + stages)
+    tail = [n, len(zones), *settings, *np.zeros(TAIL - MOTION_AT)]
+    return np.concatenate([body, data, zones.ravel(), room, tail])
 
 
-@kernel
+@inlined_kernel
 def is_rotation(R):
     """Whether |R^T R - I|_F^2 is small and det R > 0; false for NaN."""
     S = mat_t_mat(R, R)
@@ -77,13 +84,13 @@ def is_rotation(R):
     return error <= ROTATION_ERROR_SQUARED and inverse(R)[1] > 0.0
 
 
-@kernel
+@inlined_kernel
 def is_momentum(Pi):
     """Whether three numbers are finite; how large a momentum may be, the integrator says."""
     return 0.0 * Pi[0] + 0.0 * Pi[1] + 0.0 * Pi[2] == 0.0
 
 
-@kernel
+@inlined_kernel
 def _is_finite(rows):
     """Whether multipliers (N, 6) are finite, and so are the sums of a row."""
     total = 0.0
@@ -93,7 +100,7 @@ def _is_finite(rows):
     return total == 0.0
 
 
-@kernel
+@inlined_kernel
 def _angle(A, B):
     """Angle between two rotations, accurate near 0 and near pi."""
     E = mat_t_mat(A, B)
@@ -101,7 +108,7 @@ def _angle(A, B):
     return math.atan2(math.sqrt(dot(v, v)), 0.5 * (E[0] + E[4] + E[8] - 1.0))
 
 
-@kernel
+@inlined_kernel
 def _margins(zones, R, margins):
     """Smallest angle to each zone over the horizon (negative: violated)."""
     for i in range(zones.shape[0]):
@@ -114,7 +121,7 @@ def _margins(zones, R, margins):
         margins[i] = sign * (math.acos(cosine) - math.acos(zones[i, 6]))
 
 
-@kernel
+@inlined_kernel
 def summarize(zones, R_ref, R, W, margins):
     """Fill the zone margins; returns the largest |u|^2, the first error and the angle turned."""
     largest = 0.0
@@ -124,7 +131,7 @@ def summarize(zones, R_ref, R, W, margins):
     return largest, _angle(R_ref, load9(R, 0)), _angle(load9(R, 0), load9(R, W.shape[0]))
 
 
-@kernel
+@inlined_kernel
 def repeat_last(lam):
     """Repeat the last multipliers in the row after them."""
     N = lam.shape[0] - 1
@@ -168,16 +175,8 @@ def carve(arena, N, n_zones):
 
 
 @kernel
-def _sweep(problem, horizon, work, kept, warm, rule, damping, estimated, tolerance, max_steps):
-    """Solve by the backward sweep from the multipliers ``warm`` (N, 6)."""
-    for k in range(warm.shape[0]):
-        store3(work[0], k, load3(warm, k, 3))
-    return newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, max_steps)
-
-
-@kernel
-def _shoot(problem, horizon, work, rest, kept, warm, options):
-    """Solve by single shooting from row 0 of ``warm``; the sweep certifies what it finds.
+def _shoot(problem, horizon, work, rest, kept, options):
+    """Solve by single shooting from row 0 of lam; the sweep certifies what it finds.
 
     Run backward, the costates are those of the torques found; what they miss of the forward ones is
     the residual, of which `FORWARD_LOSS` allows for the way over the horizon.
@@ -187,8 +186,6 @@ def _shoot(problem, horizon, work, rest, kept, warm, options):
     R, Pi, _, lam, W = horizon
     rule, damping, estimated, tolerance, max_steps = options
     T, E = rest[:72].reshape((6, 12)), rest[72:_SINGLE].reshape((6, 6))
-    store3(lam, 0, load3(warm, 0))
-    store3(lam, 0, load3(warm, 0, 3), 3)
     status, steps, norm = newton_shooting(
         problem, horizon, T, E, kept, rule, damping, estimated, tolerance, max_steps
     )
@@ -200,81 +197,102 @@ def _shoot(problem, horizon, work, rest, kept, warm, options):
     left = max(FORWARD_LOSS * tolerance * largest_row(lam, 3), rounding_of(data, track, Pi))
     if norm > left or not is_stationary(data, track, lam, W, left):
         return LINE_SEARCH_FAILED, steps, norm, math.nan
-    factorize(body, data, zones, track, R, Pi, lam, W, fac, 0.0, False)
+    never = norm < 0.0  # a variable: for a literal, numba would compile it once more
+    factorize(body, data, zones, track, R, Pi, lam, W, fac, 0.0, never)
     pivot = smallest_pivot(data[0], fac)
     return (CONVERGED if pivot > 0.0 else SADDLE), steps, norm, pivot
 
 
+@inlined_kernel
+def parts_of(plan, arena):
+    """Cut a plan of the arena's solver into R, Pi, u, lam, margins, numbers, R_ref."""
+    tail = arena.shape[0] - TAIL
+    return cut(plan, int(arena[tail + N_AT]), int(arena[tail + ZONES_AT]))
+
+
+@inlined_kernel
+def stand_still(arena):
+    """Have the reference of the next solves rest."""
+    for i in range(arena.shape[0] - TAIL + MOTION_AT, arena.shape[0]):
+        arena[i] = 0.0
+
+
+@inlined_kernel
+def _summed_up(problem, R_ref, horizon, lam, margins, numbers):
+    """Fill what is told of a plan: cost, largest |u|^2, angles and zone margins."""
+    _, data, zones, track = problem
+    R, Pi, _, _, W = horizon
+    repeat_last(lam)
+    numbers[3] = horizon_cost(data, zones, track, R, Pi, W)
+    numbers[5], numbers[6], numbers[7] = summarize(zones, R_ref, R, W, margins)
+
+
 @kernel
-def solve(
-    inputs, warm, R, Pi, u, lam, margins, arena, kept,
-    single, rule, damping, estimated, tolerance, max_steps,
-):  # fmt: skip
-    """Solve from ``inputs`` (9, 3): rows R, Pi, R_ref, omega_ref, tau_ref.
+def solve(attitude, momentum, target, guess, plan, arena, kept):
+    """Solve from a state (3, 3), (3,), a reference (3, 3) and multipliers (N, 6) into ``plan``.
 
-    Fills R, Pi, u, lam and the zone margins.
-
-    ``lam`` has N + 1 rows, the last of which repeats the one before it.
-
-    Returns status (negative: input refused), steps, residual, cost, curvature, largest |u|^2, the
-    angle from R_0 to R_ref and the angle turned over the horizon.
+    The first four are `given`. Returns the status, negative where an input is refused. One kernel
+    of few levels: numba compiles at each all that is below.
     """
-    N = u.shape[0]
-    nan = math.nan
-    R_0, Pi_0, R_ref = load9_rows(inputs, 0), load3(inputs, 3), load9_rows(inputs, 4)
-    omega, tau = load3(inputs, 7), load3(inputs, 8)
+    plan, arena, kept = unowned(plan), unowned(arena), unowned(kept)
+    tail = arena.shape[0] - TAIL
+    N, n_zones = int(arena[tail + N_AT]), int(arena[tail + ZONES_AT])
+    shaped = attitude.shape == (3, 3) and target.shape == (3, 3)
+    if not shaped or momentum.shape[0] != 3 or guess.shape != (N, 6):
+        return BAD_SHAPE
+    R_0, R_ref = load9_rows(attitude, 0), load9_rows(target, 0)
+    Pi_0 = (momentum[0], momentum[1], momentum[2])
+    omega, tau = data3(arena, tail + MOTION_AT), data3(arena, tail + MOTION_AT + 3)
     if not is_rotation(R_0) or not is_momentum(Pi_0):
-        return BAD_STATE, 0, nan, nan, nan, nan, nan, nan
+        return BAD_STATE
     if not is_rotation(R_ref) or not is_momentum(omega) or not is_momentum(tau):
-        return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
-    if not _is_finite(warm):
-        return BAD_GUESS, 0, nan, nan, nan, nan, nan, nan
-    problem, W, work, rest = carve(arena, N, margins.shape[0])
+        return BAD_REFERENCE
+    if not _is_finite(guess):
+        return BAD_GUESS
+    problem, W, work, rest = carve(arena, N, n_zones)
     if not set_track(problem[0], problem[1], R_ref, omega, tau, problem[3]):
-        return BAD_REFERENCE, 0, nan, nan, nan, nan, nan, nan
+        return BAD_REFERENCE
+    R, Pi, u, lam, margins, numbers, reference = parts_of(plan, arena)
+    store9_rows(reference, 0, R_ref)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
-    horizon = (R, Pi, u, lam[:N], W)
+    horizon, s = (R, Pi, u, lam[:N], W), tail + SETTINGS_AT
+    rule, damping, estimated = int(arena[s + 1]), arena[s + 2], arena[s + 3] > 0.0
+    tolerance, max_steps = arena[s + 4], int(arena[s + 5])
     if rule != CHORD:
         kept[0], kept[2] = 0, 0
-    if single:
+    if arena[s] > 0.0:
+        store3(lam, 0, load3(guess, 0))
+        store3(lam, 0, load3(guess, 0, 3), 3)
         options = (rule, damping, estimated, tolerance, max_steps)
-        status, steps, norm, pivot = _shoot(problem, horizon, work, rest, kept[2:], warm, options)
+        status, steps, norm, pivot = _shoot(problem, horizon, work, rest, kept[2:], options)
     else:
-        status, steps, norm, pivot = _sweep(
-            problem, horizon, work, kept[:2], warm, rule, damping, estimated, tolerance, max_steps
+        for k in range(N):
+            store3(work[0], k, load3(guess, k, 3))
+        status, steps, norm, pivot = newton(
+            problem, horizon, work, kept[:2], rule, damping, estimated, tolerance, max_steps
         )
     if status != CONVERGED:
         kept[0], kept[2] = 0, 0
-    if not math.isfinite(norm):
-        leave_no_plan(R, Pi, u, lam, margins)
-        return status, steps, norm, nan, nan, nan, nan, nan
-    repeat_last(lam)
-    cost = horizon_cost(problem[1], problem[2], problem[3], R, Pi, W)
-    largest, error, travel = summarize(problem[2], R_ref, R, W, margins)
-    return status, steps, norm, cost, pivot, largest, error, travel
+    numbers[0], numbers[1], numbers[2], numbers[4] = status, steps, norm, pivot
+    if math.isfinite(norm):
+        _summed_up(problem, R_ref, horizon, lam, margins, numbers)
+        return status
+    leave_no_plan(R, Pi, u, lam, margins)
+    numbers[3] = numbers[4] = numbers[5] = numbers[6] = numbers[7] = math.nan
+    return status
 
 
 @kernel
-def solve_batch(
-    states, reference, warm, R, Pi, u, lam, margins, arena, kept,
-    single, rule, damping, estimated, tolerance, max_steps, numbers,
-):  # fmt: skip
-    """Solve from every row of ``states`` (n, 4, 3), R over Pi; ``numbers`` (n, 8) as `solve`.
+def solve_batch(attitudes, momenta, target, guesses, plans, arena, kept, status):
+    """Solve from every row of ``attitudes`` (n, 3, 3) and ``momenta`` (n, 3) into ``plans``.
 
-    ``reference`` (5, 3) stands in the last rows of its inputs.
-
-    ``warm`` (1 or n, N, 6) are the multipliers to start from, of which the last serves the rest.
-    ``inputs`` of `solve` is made in the last numbers of the arena.
+    ``guesses`` (1 or n, N, 6) are the multipliers to start from, of which the last serves the rest.
     """
-    inputs = arena[arena.shape[0] - _INPUTS :].reshape((9, 3))
-    for j in range(states.shape[0]):
+    for j in range(status.shape[0]):
         kept[0], kept[2] = 0, 0  # a chord, too, starts each row by itself
-        inputs[:4] = states[j]
-        inputs[4:] = reference
-        n = numbers[j]
-        n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7] = solve(
-            inputs, warm[min(j, warm.shape[0] - 1)], R[j], Pi[j], u[j], lam[j], margins[j],
-            arena, kept,
-            single, rule, damping, estimated, tolerance, max_steps,
+        guess = guesses[min(j, guesses.shape[0] - 1)]
+        status[j] = solve(
+            given(attitudes[j]), given(momenta[j]), given(target), given(guess),
+            plans[j], arena, kept,
         )  # fmt: skip

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
     cross,
@@ -97,7 +97,7 @@ def _secular(data, W, k, sigma):
     return sigma
 
 
-@kernel
+@inlined_kernel
 def control(data, track, lam2, W, k):
     """Solve (38), (S3 + sigma I) u = B^T lam2 + S3 u_ref, sigma = 2 mu0 max(0, |u|^2 - alpha).
 
@@ -126,7 +126,7 @@ def control(data, track, lam2, W, k):
     return tau, sigma
 
 
-@kernel
+@inlined_kernel
 def control_sensitivity(data, W, k, estimated):
     """Matrix U of delta torque = U delta lam2 = B (S3 + sigma I + 4 mu0 u u^T if active)^-1 B^T.
 
@@ -162,7 +162,7 @@ def hashed(pattern, number):
     return pattern ^ (pattern >> 32)
 
 
-@kernel
+@inlined_kernel
 def attitude_gradient(h, B_Q1, zones, R):
     """Gradient g_R of the stage cost and zone penalties at R, so that (34) is F^T (lam1 + g_R).
 
@@ -180,7 +180,7 @@ def attitude_gradient(h, B_Q1, zones, R):
     return g, active
 
 
-@kernel
+@inlined_kernel
 def attitude_hessian(h, B_Q1, zones, R):
     """Matrix G_R with delta g_R = G_R eta for R exp(hat(eta))."""
     G = mat_scale(0.5 * h, trace_minus(mat_t_mat(R, B_Q1)))
@@ -209,7 +209,7 @@ def zone_cost(h, zones, R):
     return total
 
 
-@kernel
+@inlined_kernel
 def costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p):
     """Matrix Z with delta lam2 = C^-1 (delta lam2_prev - M^T delta lam1 + Z delta Pi), C = A^T.
 
@@ -225,7 +225,7 @@ def costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p):
     return mat_add(mat_scale(h, S2), Z)
 
 
-@kernel
+@inlined_kernel
 def stage_curvature(data, Jd, W, k, lam1, lam2):
     """`costate_curvature` of stage k, with what a cost of the rate adds in the log form."""
     h, S2 = data[H], data9(data, S_Q2)
@@ -237,14 +237,14 @@ def stage_curvature(data, Jd, W, k, lam1, lam2):
     return mat_add(Z, mat_t_mat(M, mat_mat(rate_hessian(data, F), M))) if rated else Z
 
 
-@kernel
+@inlined_kernel
 def momentum_map(h, Jd, F):
     """Fact 2: M = h F^T (tr(F Jd) I - F Jd)^-1, so that F^T delta F = hat(M delta Pi); (M, det)."""
     G_inverse, det = inverse(trace_minus(mat_mat(F, Jd)))
     return mat_scale(h, mat_t_mat(F, G_inverse)), det
 
 
-@kernel
+@inlined_kernel
 def squared_control(W, k):
     """Squared norm |u_k|^2 = |z_k|^2 of the controls of stage k."""
     zz = 0.0

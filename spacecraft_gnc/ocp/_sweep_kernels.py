@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_nonstandard_inertia,
     relative_quaternion,
@@ -67,7 +67,7 @@ SOLVED, UNSOLVABLE_STEP = 0, 3  # equal to ocp.Status
 U_AT, SI_AT, K1_AT, K2_AT, L1_AT, L2_AT, F_AT, MF_AT, AF_AT, FACTOR_SIZE = range(0, 90, 9)
 
 
-@kernel
+@inlined_kernel
 def store_stage(h, Jd, W, k, q0, q, p):
     """Store F, M, A = F^T + hat(p) M and p = F^T Pi of stage k in W."""
     F = rotation_of(q0, q)
@@ -117,35 +117,54 @@ def sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W):
 
 
 @kernel
-def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
-    """Fill one horizon from ``guess``; returns status, |resid|, pattern of active limits.
+def begin(body, data, R, Pi, W):
+    """Roll out what of the first stage no guess changes; returns whether the step exists."""
+    h, Pi_0 = data[H], load3(Pi, 0)
+    q0, q, ok = relative_quaternion(body, h, Pi_0)
+    store_stage(h, body_nonstandard_inertia(body), W, 0, q0, q, rotate_back(q0, q, Pi_0))
+    store9(R, 1, rotate_rows(q0, q, load9(R, 0)))
+    return ok
 
-    The pattern is a hash of the stages at their torque limit, and of the zones that act on each.
-    """
+
+@kernel
+def evaluate_begun(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
+    """`evaluate` where `begin`, or an evaluation of another guess, has left the first stage."""
     N = u.shape[0]
     h, Jd = data[H], body_nonstandard_inertia(body)
-    R_k, Pi_k = load9(R, 0), load3(Pi, 0)
+    R_k, Pi_k, p = load9(R, 1), load3(Pi, 0), load3(W, 0, P_AT)
     pattern = 0
     for k in range(N):
-        q0, q, ok = relative_quaternion(body, h, Pi_k)
-        if not ok:
-            return UNSOLVABLE_STEP, math.inf, 0
-        p = rotate_back(q0, q, Pi_k)
-        store_stage(h, Jd, W, k, q0, q, p)
+        if k > 0:
+            q0, q, ok = relative_quaternion(body, h, Pi_k)
+            if not ok:
+                return UNSOLVABLE_STEP, math.inf, 0
+            p = rotate_back(q0, q, Pi_k)
+            store_stage(h, Jd, W, k, q0, q, p)
+            R_k = rotate_rows(q0, q, R_k)
+            store9(R, k + 1, R_k)
         u_k, sigma = control(data, track, load3(guess, k), W, k)
         W[k, SIGMA_AT] = sigma
         if sigma > 0.0:
             pattern = hashed(pattern, k + 1)
         store3(u, k, u_k)
-        R_k = rotate_rows(q0, q, R_k)
         Pi_k = add(p, scale(h, u_k))
-        store9(R, k + 1, R_k)
         store3(Pi, k + 1, Pi_k)
     active, norm = sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W)
     return SOLVED, norm, hashed(pattern, active)
 
 
 @kernel
+def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
+    """Fill one horizon from ``guess``; returns status, |resid|, pattern of active limits.
+
+    The pattern is a hash of the stages at their torque limit, and of the zones that act on each.
+    """
+    if not begin(body, data, R, Pi, W):
+        return UNSOLVABLE_STEP, math.inf, 0
+    return evaluate_begun(body, data, zones, track, guess, R, Pi, u, lam, resid, W)
+
+
+@inlined_kernel
 def _is_definite(S, det):
     """Whether the eigenvalues of S = I + h V22 U or its inverse, which are real, are all positive.
 
@@ -175,9 +194,7 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
         if indefinite < 0 and not _is_definite(S, det):
             indefinite = k
         F, M, A = load9_flat(W, k), load9_flat(W, k, M_AT), load9_flat(W, k, A_AT)
-        Y12 = mat_add(mat_mat(V11, M), mat_mat(V12, A))
-        Y22 = mat_add(mat_mat(V21, M), mat_mat(V22, A))
-        Y11, Y21 = mat_mat(V11, transpose(F)), mat_mat(V21, transpose(F))
+        Y21, Y22 = mat_mat(V21, transpose(F)), mat_add(mat_mat(V21, M), mat_mat(V22, A))
         K1, K2 = mat_mat(S_inverse, Y21), mat_mat(S_inverse, Y22)
         store9_flat(fac, k, U, U_AT)
         store9_flat(fac, k, S_inverse, SI_AT)
@@ -190,6 +207,7 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
             L1 = mat_scale(h, mat_mat(V12, U))
             store9_flat(fac, k, L1, L1_AT)
             store9_flat(fac, k, L2, L2_AT)
+            Y11, Y12 = mat_mat(V11, transpose(F)), mat_add(mat_mat(V11, M), mat_mat(V12, A))
             X11, X12 = mat_sub(Y11, mat_mat(L1, K1)), mat_sub(Y12, mat_mat(L1, K2))
             X21, X22 = mat_sub(Y21, mat_mat(L2, K1)), mat_sub(Y22, mat_mat(L2, K2))
             l1, l2 = load3(lam, k), load3(lam, k, 3)
@@ -202,7 +220,7 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
     return indefinite
 
 
-@kernel
+@inlined_kernel
 def advance_deviation(h, fac, k, eta, d_Pi, du):
     """Carry (eta, delta Pi) over stage k by (39)."""
     return (
@@ -255,7 +273,7 @@ def extreme_eigenvalues(Q):
     return lowest, mean + 2.0 * size * math.cos(third)
 
 
-@kernel
+@inlined_kernel
 def pivot_inverse(h, fac, k):
     """Inverse of stage k's pivot: the torques' second derivative with all later stages optimal."""
     Q = mat_scale(0.5 / h, mat_mat(load9_flat(fac, k, U_AT), load9_flat(fac, k, SI_AT)))

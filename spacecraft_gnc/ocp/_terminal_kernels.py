@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     EYE,
     add,
@@ -48,7 +48,7 @@ HALF_TURN = 1e-12  # |w| up to which an attitude counts as half a turn away: its
 SMALL_SQUARE = 0.05  # theta^2 below which the coefficients of the logarithm are summed as series
 
 
-@kernel
+@inlined_kernel
 def attitude_cost(Q, R_ref, R):
     """|Q^(1/2) (R - R_ref)|_F^2 / 2, by the difference: accurate however close the two are."""
     D = mat_sub(R, R_ref)
@@ -59,7 +59,7 @@ def attitude_cost(Q, R_ref, R):
     return 0.5 * total
 
 
-@kernel
+@inlined_kernel
 def stage_attitude_cost(data, R_ref, R):
     """Attitude part of the stage cost: of Q (R - R_ref), or tr(Q (I - R_ref^T R)) in log form."""
     Q = data9(data, Q1)
@@ -68,19 +68,19 @@ def stage_attitude_cost(data, R_ref, R):
     return attitude_cost(Q, R_ref, R)
 
 
-@kernel
+@inlined_kernel
 def rate_cost(data, F):
     """tr(Q (I - F)) with Q = lambda Q2 / h^2."""
     return attitude_cost(data9(data, Q_RATE), EYE, F)
 
 
-@kernel
+@inlined_kernel
 def rate_gradient(data, F):
     """Half the gradient of `rate_cost` to xi, for F exp(hat(xi))."""
     return vee_antisymmetric(mat_mat(data9(data, Q_RATE), F))
 
 
-@kernel
+@inlined_kernel
 def rate_hessian(data, F):
     """Derivative of `rate_gradient` to xi."""
     return mat_scale(0.5, trace_minus(mat_t_mat(F, data9(data, Q_RATE))))

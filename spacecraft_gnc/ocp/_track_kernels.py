@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_inertia,
     polished,
@@ -38,37 +38,37 @@ def track_size(n: int, m: int) -> int:
     return STAGES_AT + STAGE_SIZE * n + m
 
 
-@kernel
+@inlined_kernel
 def stage_weighed(track, k):
     """Q1 R_k (Kalabic: R_k Q1) of stage k."""
     return data9(track, STAGES_AT + int(track[STRIDE_AT]) * k)
 
 
-@kernel
+@inlined_kernel
 def stage_reference(track, k):
     """R_k of stage k."""
     return data9(track, STAGES_AT + int(track[STRIDE_AT]) * k + 9)
 
 
-@kernel
+@inlined_kernel
 def stage_momentum(track, k):
     """Pi_k of stage k of the reference."""
     return data3(track, STAGES_AT + int(track[STRIDE_AT]) * k + 18)
 
 
-@kernel
+@inlined_kernel
 def end_momentum(track):
     """Pi_N of the reference."""
     return data3(track, PI_AT)
 
 
-@kernel
+@inlined_kernel
 def control_reference(track, m, i):
     """Component i of the m reference controls z_ref."""
     return track[track.shape[0] - m + i]
 
 
-@kernel
+@inlined_kernel
 def is_moving(omega, tau):
     """Whether a rate or a torque is fed forward."""
     return dot(omega, omega) > 0.0 or dot(tau, tau) > 0.0
@@ -93,7 +93,7 @@ def start_of_motion(body, h, omega, tau):
     return Pi, add(needed, beyond)
 
 
-@kernel
+@inlined_kernel
 def _store(values, track, at):
     for i in range(len(values)):
         track[at + i] = values[i]

@@ -194,7 +194,7 @@ class SlsqpSolver:
         outcome = (status, iterations, norm, self._plain.cost(u, *state, target))
         largest = float(np.linalg.norm(u, axis=1).max())
         solution = assemble(ocp, plan, target, outcome, largest, self.formulation)
-        return solution._replace(solve_time=perf_counter() - started)
+        return solution.replace(solve_time=perf_counter() - started)
 
 
 class FsolveSolver:
@@ -276,5 +276,5 @@ class FsolveSolver:
         if solved:
             curvature = linearize(solution).min_curvature
             status = Status.CONVERGED if curvature > 0.0 else Status.SADDLE
-            solution = solution._replace(min_curvature=curvature, status=status)
-        return solution._replace(solve_time=perf_counter() - started)
+            solution = solution.replace(min_curvature=curvature, status=status)
+        return solution.replace(solve_time=perf_counter() - started)

@@ -12,6 +12,7 @@ from spacecraft_gnc.arrays import as_finite, as_rows, as_stack
 from spacecraft_gnc.errors import ParameterError, ShapeError
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import Tracked, as_reference, is_moving, unreachable
+from spacecraft_gnc.ocp.solution import PlanLayout
 from spacecraft_gnc.types import Array, ArrayLike, Reference, as_rotation, as_vector3
 
 
@@ -22,15 +23,19 @@ class BatchSolver(Protocol):
     def ocp(self) -> AttitudeOcp:
         """Problem solved."""
 
+    @property
+    def layout(self) -> PlanLayout:
+        """Where the parts of its plans stand."""
+
     def run_batch(
         self,
-        states: Array,
+        attitudes: Array,
+        momenta: Array,
         reference: Reference,
         warm_starts: Array | None,
-        outputs: tuple[Array, ...],
-        numbers: Array,
-    ) -> None:
-        """Solve from every row of ``states`` in one call of compiled code."""
+        plans: Array,
+    ) -> NDArray[np.int64]:
+        """Solve from every state in one call of compiled code; return the status of each."""
 
 
 class BatchSolution(NamedTuple):
@@ -74,30 +79,28 @@ def solve_many(
 ) -> BatchSolution:
     """Solve from every state; see `ShootingSolver.solve_batch`."""
     begun = perf_counter()
-    states = _states(attitudes, momenta)
+    R, Pi = _states(attitudes, momenta)
     target = as_reference(reference)
-    n, steps = len(states), solver.ocp.horizon
-    R, Pi = np.empty((n, steps + 1, 3, 3)), np.empty((n, steps + 1, 3))
+    n, steps, layout = len(R), solver.ocp.horizon, solver.layout
     if warm_starts is not None:  # a copy: one array of one type for the one compiled kernel
         shape = (n, steps, 6)
         warm_starts = np.array(as_finite("warm_starts", warm_starts, shape, f"multipliers {shape}"))
-    u, lam = np.empty((n, steps, 3)), np.empty((n, steps + 1, 6))
-    margins, numbers = np.empty((n, len(solver.ocp.zones))), np.empty((n, 8))
-    solver.run_batch(states, target, warm_starts, (R, Pi, u, lam, margins), numbers)
-    status = numbers[:, 0].astype(np.int64)
+    plans = np.empty((n, layout.size))
+    status = solver.run_batch(R, Pi, target, warm_starts, plans)
     for row in np.flatnonzero(status < 0):  # name the first state that is none
-        as_rotation(f"attitudes[{row}]", states[row, :3])
-        as_vector3(f"momenta[{row}]", states[row, 3])
+        as_rotation(f"attitudes[{row}]", R[row])
+        as_vector3(f"momenta[{row}]", Pi[row])
         if is_moving(target):
             raise unreachable(target, solver.ocp.time_step)
+        received = [*R[row].tolist(), Pi[row].tolist()]
         raise ParameterError(
-            f"states[{row}]: received {states[row].tolist()}; required a finite state; check its "
-            "numbers"
+            f"states[{row}]: received {received}; required a finite state; check its numbers"
         )
+    found, momenta_, torques, lam, margins, numbers, _ = layout.parts(plans)
     return BatchSolution(
-        torques=u,
-        attitudes=R,
-        momenta=Pi,
+        torques=torques,
+        attitudes=found,
+        momenta=momenta_,
         costates=lam[:, :-1],
         status=status,
         iterations=numbers[:, 1].astype(np.int64),
@@ -109,7 +112,7 @@ def solve_many(
     )
 
 
-def _states(attitudes: ArrayLike, momenta: ArrayLike) -> Array:
+def _states(attitudes: ArrayLike, momenta: ArrayLike) -> tuple[Array, Array]:
     R, Pi = as_stack("attitudes", attitudes), as_rows("momenta", momenta, 3)
     n = len(R) if R.ndim == 3 else 0
     if R.shape != (n, 3, 3) or Pi.shape != (n, 3) or n == 0:
@@ -117,4 +120,4 @@ def _states(attitudes: ArrayLike, momenta: ArrayLike) -> Array:
             f"attitudes, momenta: received arrays of shapes {R.shape} and {Pi.shape}; required "
             "(n, 3, 3) and (n, 3) with n >= 1; stack one state in each row"
         )
-    return np.concatenate([R, Pi[:, None, :]], axis=1)
+    return np.array(R), np.array(Pi)  # copies, of the types that the kernel is compiled for

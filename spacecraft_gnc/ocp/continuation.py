@@ -108,7 +108,7 @@ class PenaltyContinuation(_Series):
             iterations += solution.iterations
             if np.isfinite(solution.costates).all():
                 guess = solution.costates
-        return solution._replace(iterations=iterations)
+        return solution.replace(iterations=iterations)
 
 
 class StateContinuation:
@@ -165,7 +165,7 @@ class StateContinuation:
             else:
                 advance *= 0.5
             if share == 1.0 or advance < SMALLEST_ADVANCE:
-                return solution._replace(iterations=iterations)
+                return solution.replace(iterations=iterations)
 
 
 class HorizonContinuation(_Series):
@@ -199,7 +199,7 @@ class HorizonContinuation(_Series):
                 solution = solver.solve(attitude, momentum, reference)
                 iterations += solution.iterations
             guess = solution.costates if solution.converged else None
-        return solution._replace(iterations=iterations)
+        return solution.replace(iterations=iterations)
 
 
 class EffortContinuation(_Series):
@@ -229,7 +229,7 @@ class EffortContinuation(_Series):
             iterations += solution.iterations
             if solution.converged:
                 guess, weight = solution.costates, factor
-        return solution._replace(iterations=iterations)
+        return solution.replace(iterations=iterations)
 
 
 class OpenContinuation(_Series):
@@ -271,7 +271,7 @@ class OpenContinuation(_Series):
             guess = found.costates if found.converged else guess
             found = solver.solve(*problem, guess)
             iterations += found.iterations
-        return found._replace(iterations=iterations)
+        return found.replace(iterations=iterations)
 
 
 class AutomaticContinuation:
@@ -321,7 +321,7 @@ def cheapest(solutions: Iterable[Solution]) -> Solution:
         cheaper = other.converged and other.cost < best.cost - 1e-12 * abs(best.cost)
         if other.converged and (cheaper or not best.converged):
             best = other
-    return best._replace(iterations=sum(solution.iterations for solution in given))
+    return best.replace(iterations=sum(solution.iterations for solution in given))
 
 
 def _is_penalized(ocp: AttitudeOcp) -> bool:

@@ -36,14 +36,8 @@ from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._neighboring_kernels import LAST, LAST_REFERENCE, SEEN, correct
 from spacecraft_gnc.ocp.problem import AttitudeOcp
 from spacecraft_gnc.ocp.reference import RESTING, Tracked, as_reference, is_moving
-from spacecraft_gnc.ocp.shooting import (
-    IDENTITY,
-    NO_MARGINS,
-    ShootingOptions,
-    ShootingSolver,
-    horizon_shapes,
-)
-from spacecraft_gnc.ocp.solution import Solution
+from spacecraft_gnc.ocp.shooting import IDENTITY, ShootingOptions, ShootingSolver
+from spacecraft_gnc.ocp.solution import PlanLayout, Solution
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import (
     Array,
@@ -118,7 +112,7 @@ class NeighboringExtremal:
                 "whose factorization the correction needs; give 'auto'"
             )
         self.largest_error = self.neighboring.tolerance * ocp.max_torque
-        self._shapes, self._n_zones = horizon_shapes(ocp.horizon), len(ocp.zones)
+        self._layout = PlanLayout(ocp, FORMULATION)
         self._max_age, self._limit = self.neighboring.max_age, ocp.max_torque
         self._work = self.solver.work
         self._rows = rows = np.zeros((17, 3))
@@ -235,25 +229,18 @@ class NeighboringExtremal:
             return None
         rows = self._rows
         self._attitude[...], self._momentum[...] = attitude, momentum
-        R, Pi, u, lam = map(np.empty, self._shapes)
-        margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
-        good, bound, norm, cost, largest, off, travel = correct(
-            rows, moving, R, Pi, u, lam, margins, self.largest_error, *self._work
-        )
+        plan, layout = np.empty(self._layout.size), self._layout
+        good, bound = correct(rows, moving, self.largest_error, plan, *self._work)
         if not good:
             return None
         self._age += 1
         self.corrected += 1
         self.error_bound = bound
+        layout.part(plan, 5)[4] = self._curvature
         if moving:
             self._remember(rows[4:7], rows[7:9])
-        limit = self._limit
-        margin = limit - largest**0.5 if limit > 0.0 else math.inf
-        solution = Solution(
-            u, R, Pi, lam, cost, CONVERGED, 0, norm, perf_counter() - started, margin,
-            self._target, self.ocp, FORMULATION, self._curvature, margins, off, travel,
-        )  # fmt: skip
-        return solution._replace(feedforward=self._motion) if moving else solution
+        took = perf_counter() - started
+        return Solution.of_plan(plan, layout, CONVERGED, took, self._motion)
 
     def _is_last(self, target: ArrayLike) -> bool:
         try:

@@ -24,16 +24,16 @@ multiplied only up to index N-2, because (45) needs delta lambda_{N-1}. Bagherza
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from threading import Lock
 from time import perf_counter
-from typing import Any, NoReturn
+from typing import Any, Final, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
+from spacecraft_gnc._kernels import GIVEN, OWN, entry
 from spacecraft_gnc.arguments import (
     as_count,
     as_real,
@@ -41,12 +41,12 @@ from spacecraft_gnc.arguments import (
     require_positive,
     require_word,
 )
-from spacecraft_gnc.arrays import FLOAT64
 from spacecraft_gnc.errors import ParameterError
 from spacecraft_gnc.ocp._solve_kernels import (
-    BAD_GUESS,
     BAD_REFERENCE,
-    BAD_STATE,
+    BAD_SHAPE,
+    MOTION_AT,
+    TAIL,
     make_arena,
     solve,
     solve_batch,
@@ -59,29 +59,24 @@ from spacecraft_gnc.ocp.reference import (
     is_fixed,
     is_moving,
     motion_of,
-    stacked,
     unreachable,
 )
-from spacecraft_gnc.ocp.solution import Solution
-from spacecraft_gnc.status import Status
+from spacecraft_gnc.ocp.solution import PlanLayout, Solution
 from spacecraft_gnc.types import (
     Array,
     ArrayLike,
-    Matrix3,
     Reference,
     as_matrix3,
     as_rotation,
     as_vector3,
 )
 
-STATUSES = tuple(Status)
 VARIANTS = ("exact", "estimated_du", "estimated_u")
 FORMULATIONS = ("auto", "backward_sweep", "single_shooting")
 AUTOMATIC = "backward_sweep"  # at every horizon the faster one, and the only one on long ones
 STEP_RULES = ("backtracking", "full", "damped", "chord")
-IDENTITY = np.eye(3)
+IDENTITY: Final = np.eye(3)
 IDENTITY.setflags(write=False)
-NO_MARGINS = np.empty(0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,9 +121,11 @@ class ShootingOptions:
             object.__setattr__(self, name, value)
 
 
-def horizon_shapes(n: int) -> tuple[tuple[int, ...], ...]:
-    """Return the shapes of attitudes, momenta, torques and multipliers over n steps."""
-    return (n + 1, 3, 3), (n + 1, 3), (n, 3), (n + 1, 6)
+@cache
+def solve_kernel() -> Any:
+    """Return the compiled `solve`, for states and references of any layout."""
+    vector, matrix = GIVEN
+    return entry(solve, matrix, vector, matrix, matrix, OWN[0], *OWN)
 
 
 class ShootingSolver:
@@ -149,9 +146,9 @@ class ShootingSolver:
     formulation : str
         What ``auto`` came to.
     work
-        Problem and work space, as the kernels of this package share them.
-    settings
-        Formulation, step rule and tolerances, as the kernels of this package take them.
+        Problem, settings and work space, as the kernels of this package share them.
+    layout : PlanLayout
+        Where the parts of the flat plans stand that they fill.
 
     Notes
     -----
@@ -169,12 +166,7 @@ class ShootingSolver:
         options = ShootingOptions() if options is None else options
         self.options = require_kind("options", options, ShootingOptions)
         self.formulation = AUTOMATIC if options.formulation == "auto" else options.formulation
-        n = ocp.horizon
-        self._n_zones = len(ocp.zones)
-        self._shapes = horizon_shapes(n)
-        arena = make_arena(ocp.body.packed, ocp.data, ocp.zone_rows, n)
-        self.work = (arena, np.zeros(4, np.int64))
-        self.settings = (
+        settings = (
             self.formulation == "single_shooting",
             STEP_RULES.index(options.step_rule),
             options.damping,
@@ -182,10 +174,12 @@ class ShootingSolver:
             options.residual_tolerance,
             options.max_iterations,
         )
-        self._inputs = x = np.zeros((9, 3))
-        self._attitude, self._momentum, self._target = x[:3], x[3], x[4:7]
-        self._motion = x[7:]
-        self._cold, self._warm = np.zeros((n, 6)), np.empty((n, 6))
+        n = ocp.horizon
+        arena = make_arena(ocp.body.packed, ocp.data, ocp.zone_rows, n, settings)
+        self.work = (arena, np.zeros(4, np.int64))
+        self.layout = PlanLayout(ocp, self.formulation)
+        self._size, self._cold = self.layout.size, np.zeros((n, 6))
+        self._motion = arena[len(arena) - TAIL + MOTION_AT :].reshape(2, 3)
         self._moved = False  # whether the last reference did
         self._at_rest: Reference | None = None  # the last one that never will
         self._lock = Lock()
@@ -235,7 +229,7 @@ class ShootingSolver:
         """
         started = perf_counter()
         target: ArrayLike = IDENTITY if reference is None else reference  # type: ignore[assignment]
-        guess, motion = self._cold, None
+        motion = None
         if isinstance(reference, Reference):
             target = reference.attitude
             if reference is not self._at_rest:  # governors give the same one again
@@ -243,73 +237,29 @@ class ShootingSolver:
                     motion = motion_of(reference)
                 elif is_fixed(reference):
                     self._at_rest = reference
-        try:
-            plain = attitude.shape == target.shape == (3, 3) and momentum.shape == (3,)  # type: ignore[union-attr]
-            plain = plain and attitude.dtype is momentum.dtype is target.dtype is FLOAT64  # type: ignore[union-attr]
-        except AttributeError:  # a list, say
-            plain = False
-        if not plain:
-            attitude, momentum = as_matrix3("attitude", attitude), as_vector3("momentum", momentum)
-            target = as_matrix3("reference", target)
-        R, Pi, u, lam = map(np.empty, self._shapes)
-        margins = np.empty(self._n_zones) if self._n_zones else NO_MARGINS
+        guess = self._cold if warm_start is None else warm_start
+        plan = np.empty(self._size)
         with self._lock:
-            # One array of one type: one compiled kernel for every caller.
-            self._attitude[...], self._momentum[...], self._target[...] = attitude, momentum, target
             if motion is not None or self._moved:
                 self._moved = motion is not None
                 self._motion[...] = 0.0 if motion is None else motion
-            if warm_start is not None:
-                guess = self._warm  # a copy, for the same reason
-                guess[:] = self.ocp.checked_warm_start(warm_start)
-            numbers = solve(self._inputs, guess, R, Pi, u, lam, margins, *self.work, *self.settings)
-            target = self._target.copy()
-        code = numbers[0]
-        if code in (BAD_STATE, BAD_REFERENCE, BAD_GUESS):
-            self._refuse(code, attitude, momentum, reference)
-        solution = self.solution_of(
-            (R, Pi, u, lam, margins), numbers, target, perf_counter() - started
-        )
-        return solution if motion is None else solution._replace(feedforward=motion)
-
-    def solution_of(
-        self, plan: Sequence[Array], numbers: Sequence[float], target: Matrix3, solve_time: float
-    ) -> Solution:
-        """Return the solution of a solve to a reference at rest that the kernel made.
-
-        Parameters
-        ----------
-        plan
-            Attitudes, momenta, torques, multipliers and zone margins that it filled.
-        numbers
-            What it returned.
-        target
-            (3, 3) reference.
-        solve_time
-            Wall time [s].
-        """
-        R, Pi, u, lam, margins = plan
-        code, steps, residual, cost, curvature, largest, error, travel = numbers
-        limit = self.ocp.max_torque
-        return Solution(
-            u,
-            R,
-            Pi,
-            lam,
-            cost,
-            STATUSES[int(code)],
-            int(steps),
-            residual,
-            solve_time,
-            limit - largest**0.5 if limit > 0.0 else math.inf,
-            target,
-            self.ocp,
-            self.formulation,
-            curvature,
-            margins,
-            error,
-            travel,
-        )
+            try:
+                status = solve_kernel()(attitude, momentum, target, guess, plan, *self.work)
+            except TypeError:  # a list, say
+                status = BAD_SHAPE
+            if status == BAD_SHAPE:
+                attitude, momentum = (
+                    as_matrix3("attitude", attitude),
+                    as_vector3("momentum", momentum),
+                )
+                target, guess = as_matrix3("reference", target), self.ocp.checked_warm_start(guess)
+                status = solve_kernel()(attitude, momentum, target, guess, plan, *self.work)
+        if status < 0:
+            self._refuse(status, attitude, momentum, reference)
+        took = perf_counter() - started
+        if motion is None:
+            return Solution.of_plan(plan, self.layout, status, took)
+        return Solution.of_plan(plan, self.layout, status, took, motion)
 
     def solve_batch(
         self,
@@ -345,17 +295,20 @@ class ShootingSolver:
 
     def run_batch(
         self,
-        states: Array,
+        attitudes: Array,
+        momenta: Array,
         reference: Reference,
         warm_starts: Array | None,
-        outputs: tuple[Array, ...],
-        numbers: Array,
-    ) -> None:
-        """Run the batch kernel on states (n, 4, 3) with this solver's problem and settings."""
-        warm = self._cold[None] if warm_starts is None else warm_starts
+        plans: Array,
+    ) -> NDArray[np.int64]:
+        """Run the batch kernel into flat ``plans``; return the status of each."""
+        guesses = self._cold[None] if warm_starts is None else warm_starts
+        status = np.empty(len(attitudes), np.int64)
         with self._lock:
-            rows = stacked(reference)
-            solve_batch(states, rows, warm, *outputs, *self.work, *self.settings, numbers)
+            self._moved, self._motion[...] = True, np.asarray(reference[1:])
+            target = np.array(reference.attitude)
+            solve_batch(attitudes, momenta, target, guesses, plans, *self.work, status)
+        return status
 
     @property
     def kept(self) -> NDArray[np.int64]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, NoReturn
 
 import numpy as np
 from typing_extensions import Self
 
+from spacecraft_gnc.ocp._plan_kernels import offsets
 from spacecraft_gnc.ocp.reference import RESTING
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, Reference
@@ -15,57 +18,235 @@ from spacecraft_gnc.types import Array, Reference
 if TYPE_CHECKING:
     from spacecraft_gnc.ocp.problem import AttitudeOcp
 
+_STATUSES: Final = tuple(Status)
 
-class Solution(NamedTuple):
+
+class PlanLayout:
+    """Where the parts of a solver's flat plans stand, and what all its solutions share.
+
+    Parameters
+    ----------
+    ocp : AttitudeOcp
+        The problem solved.
+    formulation : str
+        How its conditions are solved.
+
+    Attributes
+    ----------
+    size : int
+        Length of a plan.
+    """
+
+    def __init__(self, ocp: AttitudeOcp, formulation: str) -> None:
+        n, ends = ocp.horizon, offsets(ocp.horizon, len(ocp.zones))
+        self.ocp, self.formulation, self.size = ocp, formulation, ends[-1]
+        shapes = (n + 1, 3, 3), (n + 1, 3), (n, 3), (n + 1, 6), (len(ocp.zones),), (8,), (3, 3)
+        self._places = [
+            (slice(*place), shape)
+            for place, shape in zip(itertools.pairwise(ends), shapes, strict=True)
+        ]
+        self.numbers = ends[5]
+
+    def part(self, plan: Array, i: int) -> Array:
+        """Return part i of a plan."""
+        place, shape = self._places[i]
+        return plan[place].reshape(shape)
+
+    def parts(self, plans: Array) -> Iterator[Array]:
+        """Yield each part of n plans, stacked."""
+        for place, shape in self._places:
+            yield plans[:, place].reshape((len(plans), *shape))
+
+
+class _Made(NamedTuple):
+    """What a kernel left, of which the fields of a solution are made when they are asked for."""
+
+    plan: Array
+    layout: PlanLayout
+    status: int
+    solve_time: float
+    feedforward: Array
+
+    def number(self, i: int) -> float:
+        return self.plan.item(self.layout.numbers + i)
+
+    def torque_margin(self) -> float:
+        limit = self.layout.ocp.max_torque
+        return limit - self.number(5) ** 0.5 if limit > 0.0 else math.inf
+
+
+_MAKERS: Final[dict[str, Callable[[_Made], Any]]] = {
+    "torques": lambda made: made.layout.part(made.plan, 2),
+    "attitudes": lambda made: made.layout.part(made.plan, 0),
+    "momenta": lambda made: made.layout.part(made.plan, 1),
+    "multipliers": lambda made: made.layout.part(made.plan, 3),
+    "cost": lambda made: made.number(3),
+    "status": lambda made: _STATUSES[made.status],
+    "iterations": lambda made: int(made.number(1)),
+    "residual": lambda made: made.number(2),
+    "solve_time": lambda made: made.solve_time,
+    "torque_margin": lambda made: made.torque_margin(),
+    "reference": lambda made: made.layout.part(made.plan, 6),
+    "ocp": lambda made: made.layout.ocp,
+    "formulation": lambda made: made.layout.formulation,
+    "min_curvature": lambda made: made.number(4),
+    "zone_margins": lambda made: made.layout.part(made.plan, 4),
+    "attitude_error": lambda made: made.number(6),
+    "travel": lambda made: made.number(7),
+    "terminal_level": lambda _: math.nan,
+    "terminal_multiplier": lambda _: 0.0,
+    "feedforward": lambda made: made.feedforward,
+}
+"""Every field of a `Solution`, in order, and how it is made of a plan."""
+
+_put: Final = object.__setattr__
+
+
+class Solution:
     """One solved horizon.
 
-    Arrays belong to this solution alone and are not overwritten by later solves.
+    Arrays belong to this solution alone and are not overwritten by later solves. Fields cannot be
+    set; `replace` returns a solution with other ones.
+
+    Attributes
+    ----------
+    torques : (N, 3) array
+        Optimal body torques B u_0 .. B u_{N-1} [N m].
+    attitudes : (N+1, 3, 3) array
+        Predicted rotations, body to inertial.
+    momenta : (N+1, 3) array
+        Predicted angular momenta, body frame [N m s].
+    multipliers : (N+1, 6) array
+        `costates`, with the last row twice: what `warm_start` is cut from.
+    cost : float
+        (27) + (28) + penalties, constants included.
+    status : Status
+    iterations : int
+        Newton steps taken.
+    residual : float
+        Euclidean norm of the first-order conditions over all stages, in the units of lambda2: of
+        the costates run backward over the plan, minus the multipliers that its torques belong to.
+    solve_time : float
+        Wall time of the solve [s].
+    torque_margin : float
+        max_torque - max_k |u_k| [N m]; infinite without a limit.
+    reference : (3, 3) array
+        Attitude tracked at the start of the horizon, body to inertial.
+    ocp : AttitudeOcp
+        The problem solved.
+    formulation : str
+        How the conditions were solved, such as "backward_sweep".
+    min_curvature : float
+        Smallest pivot of the cost's second derivative to the torques, swept backward [(N m)^-2]. A
+        stationary point is a strict local minimum exactly where it is positive. Of the last
+        linearization, one Newton step from the solution; NaN where the solve did not converge.
+    zone_margins : array
+        Smallest angle [rad] to each zone over the predicted attitudes (negative: inside).
+    attitude_error : float
+        Angle [rad] from the reference at the start of the horizon.
+    travel : float
+        Angle [rad] between the first and the last predicted attitude.
+    terminal_level : float
+        |(Z_N, Pi_N)|_P^2 where the problem has a terminal set; NaN without one.
+    terminal_multiplier : float
+        Multiplier nu >= 0 of the terminal set; ``ocp`` then has (1 + nu) F as its terminal cost.
+    feedforward : (2, 3) array
+        Angular velocity [rad/s] and torque [N m] with which that attitude moves.
     """
+
+    __slots__ = (*_MAKERS, "_made")
 
     torques: Array
-    """(N, 3) optimal body torques B u_0 .. B u_{N-1} [N m]."""
     attitudes: Array
-    """(N+1, 3, 3) predicted rotations, body to inertial."""
     momenta: Array
-    """(N+1, 3) predicted angular momenta, body frame [N m s]."""
     multipliers: Array
-    """(N+1, 6) `costates`, with the last row twice: what `warm_start` is cut from."""
     cost: float
-    """(27) + (28) + penalties, constants included."""
     status: Status
     iterations: int
-    """Newton steps taken."""
     residual: float
-    """Euclidean norm of the first-order conditions over all stages, in the units of lambda2: of the
-    costates run backward over the plan, minus the multipliers that its torques belong to."""
     solve_time: float
-    """Wall time of the solve [s]."""
     torque_margin: float
-    """max_torque - max_k |u_k| [N m]; infinite without a limit."""
     reference: Array
-    """(3, 3) attitude tracked at the start of the horizon, body to inertial."""
     ocp: AttitudeOcp
-    """The problem solved."""
     formulation: str
-    """How the conditions were solved, such as "backward_sweep"."""
     min_curvature: float
-    """Smallest pivot of the cost's second derivative to the torques, swept backward [(N m)^-2].
-
-    A stationary point is a strict local minimum exactly where it is positive. Of the last
-    linearization, one Newton step from the solution; NaN where the solve did not converge.
-    """
     zone_margins: Array
-    """Smallest angle [rad] to each zone over the predicted attitudes (negative: inside)."""
     attitude_error: float
-    """Angle [rad] from the reference at the start of the horizon."""
     travel: float
-    """Angle [rad] between the first and the last predicted attitude."""
-    terminal_level: float = math.nan
-    """|(Z_N, Pi_N)|_P^2 where the problem has a terminal set; NaN without one."""
-    terminal_multiplier: float = 0.0
-    """Multiplier nu >= 0 of the terminal set; ``ocp`` then has (1 + nu) F as its terminal cost."""
-    feedforward: Array = RESTING
-    """(2, 3) angular velocity [rad/s] and torque [N m] with which that attitude moves."""
+    terminal_level: float
+    terminal_multiplier: float
+    feedforward: Array
+
+    def __init__(
+        self,
+        torques: Array,
+        attitudes: Array,
+        momenta: Array,
+        multipliers: Array,
+        cost: float,
+        status: Status,
+        iterations: int,
+        residual: float,
+        solve_time: float,
+        torque_margin: float,
+        reference: Array,
+        ocp: AttitudeOcp,
+        formulation: str,
+        min_curvature: float,
+        zone_margins: Array,
+        attitude_error: float,
+        travel: float,
+        terminal_level: float = math.nan,
+        terminal_multiplier: float = 0.0,
+        feedforward: Array = RESTING,
+    ) -> None:
+        fields = (
+            torques, attitudes, momenta, multipliers, cost, status, iterations, residual,
+            solve_time, torque_margin, reference, ocp, formulation, min_curvature, zone_margins,
+            attitude_error, travel, terminal_level, terminal_multiplier, feedforward,
+        )  # fmt: skip
+        for name, value in zip(_MAKERS, fields, strict=True):
+            _put(self, name, value)
+
+    @classmethod
+    def of_plan(
+        cls,
+        plan: Array,
+        layout: PlanLayout,
+        status: int,
+        solve_time: float,
+        feedforward: Array = RESTING,
+    ) -> Self:
+        """Return the solution that a kernel left in a flat plan, which is its own from now on."""
+        solution = object.__new__(cls)
+        _put(solution, "_made", (plan, layout, status, solve_time, feedforward))
+        return solution
+
+    if not TYPE_CHECKING:  # else any name would pass for a field
+
+        def __getattr__(self, name: str) -> Any:
+            """Make a field when it is first asked for."""
+            maker = _MAKERS.get(name)
+            if maker is None:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            value = maker(_Made(*self._made))
+            _put(self, name, value)
+            return value
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        """Refuse: a solution stays as it was found."""
+        raise AttributeError(f"{name}: a solution cannot be changed; use replace({name}=...)")
+
+    def __reduce__(self) -> tuple[type[Solution], tuple[Any, ...]]:
+        """Copy and pickle the fields."""
+        return type(self), self._fields()
+
+    def _fields(self) -> tuple[Any, ...]:
+        return tuple(getattr(self, name) for name in _MAKERS)
+
+    def replace(self, **changes: Any) -> Self:
+        """Return this solution with other values of some fields."""
+        return type(self)(**(dict(zip(_MAKERS, self._fields(), strict=True)) | changes))
 
     def __repr__(self) -> str:
         """Return how the solve ended, in one line."""
@@ -78,7 +259,7 @@ class Solution(NamedTuple):
 
     def plain(self) -> tuple[Any, ...]:
         """Return its fields as numbers, texts and arrays alone; of the problem, nothing."""
-        return tuple(self._replace(ocp=None, status=int(self.status)))  # type: ignore[arg-type]
+        return self.replace(ocp=None, status=int(self.status))._fields()
 
     @classmethod
     def of_plain(cls, fields: tuple[Any, ...], ocp: AttitudeOcp) -> Self:
@@ -86,7 +267,7 @@ class Solution(NamedTuple):
         found = cls(*fields)
         if found.terminal_multiplier > 0.0:
             ocp = ocp.weighted(found.terminal_multiplier)  # type: ignore[attr-defined]
-        return found._replace(ocp=ocp, status=Status(found.status))
+        return found.replace(ocp=ocp, status=Status(found.status))
 
     @property
     def tracked(self) -> Reference:

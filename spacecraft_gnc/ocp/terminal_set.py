@@ -108,8 +108,8 @@ class TerminalSetSolver:
             found = search.run(self._last if warm_start is not None else 0.0)
             self._last = math.log1p(found.terminal_multiplier) if found.converged else 0.0
         if not self.ocp.body.is_solvable(found.momenta[-1]) and found.converged:
-            found = found._replace(status=Status.UNSOLVABLE_STEP)
-        return found._replace(solve_time=perf_counter() - started)
+            found = found.replace(status=Status.UNSOLVABLE_STEP)
+        return found.replace(solve_time=perf_counter() - started)
 
     def least_level(
         self, attitude: ArrayLike, momentum: ArrayLike, reference: Tracked | None = None
@@ -190,7 +190,7 @@ class TerminalSetSolver:
                 steps += found.iterations
                 guess = found.costates if found.converged else guess
             limit[BODY_SIZE + MU0] = math.inf
-        return found._replace(iterations=steps)
+        return found.replace(iterations=steps)
 
 
 class _Search:
@@ -224,7 +224,7 @@ class _Search:
             state = ocp.terminal_state(found.attitudes, found.momenta, found.reference)
             level = ocp.level_of(state)
         nu = math.expm1(s)
-        return found._replace(
+        return found.replace(
             iterations=self._steps,
             terminal_level=level,
             terminal_multiplier=nu,
@@ -254,7 +254,7 @@ class _Search:
             if f <= 0.0:
                 inside = (s, f, found)
             elif s >= LARGEST or self._is_out_of_reach(found, level.value):
-                return found._replace(status=Status.INFEASIBLE)
+                return found.replace(status=Status.INFEASIBLE)
             else:
                 outside = (s, f)
             if inside is None:

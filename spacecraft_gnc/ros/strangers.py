@@ -93,7 +93,7 @@ class StrangerWatch:
         self._lives = Counter(frozenset(services.values()).union(*speakers.values()))
         self._seen: defaultdict[tuple[str, str], set[bytes]] = defaultdict(set)
         self._nameless: dict[bytes, float] = {}
-        self._names: dict[bytes, str] = {}  # DDS finds a process that stood still again, rmw no name
+        self._names: dict[bytes, str] = {}  # rmw has none of who stood still
         self._found: dict[Stranger, None] = {}
 
     @property

@@ -194,7 +194,7 @@ def test_a_solve_that_takes_long_is_compared_with_another_start(ocp):
         (direct.iterations - 1, 2.0 * direct.cost, 1, True),  # the other is dearer
         (direct.iterations - 1, 0.5 * direct.cost, 1, False),
     ):
-        other = direct._replace(cost=cost, torques=0.5 * direct.torques)
+        other = direct.replace(cost=cost, torques=0.5 * direct.torques)
         detour = Detour(other, patience)
         flown = ShootingController(ShootingSolver(ocp), None, detour).command(START, TARGET)
         assert detour.calls == calls
@@ -207,7 +207,7 @@ def test_the_online_sequence_does_not_correct_what_another_start_found(ocp):
     direct = ShootingSolver(ocp).solve(START.attitude, REST)
     for cost, exact in ((0.5 * direct.cost, 2), (2.0 * direct.cost, 1)):
         sequence = NeighboringExtremal(ocp)
-        detour = Detour(direct._replace(cost=cost, torques=direct.torques.copy()), 0)
+        detour = Detour(direct.replace(cost=cost, torques=direct.torques.copy()), 0)
         controller = OnlineNeighboringController(sequence, None, detour)
         controller.command(START, TARGET)
         detour.patience = math.inf

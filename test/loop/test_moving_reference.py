@@ -95,7 +95,7 @@ def test_a_moving_reference_is_no_standstill():
     solution = ShootingSolver(flat).solve(*state, START)
     found = StandstillMonitor(flat, 0.01).examine(solution)
     assert found is not None
-    moving = solution._replace(feedforward=np.array([OMEGA, TAU]))
+    moving = solution.replace(feedforward=np.array([OMEGA, TAU]))
     assert StandstillMonitor(flat, 0.01).examine(moving) is None
     assert monitor.may_stand(1.0, 0.0, 0.0, 0.0)
 

@@ -194,14 +194,14 @@ def test_the_torque_limit_is_named_where_it_is_what_binds(monkeypatch):
     stub(monkeypatch, 0.9)
     monitor = StandstillMonitor(ocp, 1e-3)
     assert monitor.examine(solution).standstill == (0.9, False, "")
-    at_limit = solution._replace(torque_margin=1e-6)
+    at_limit = solution.replace(torque_margin=1e-6)
     assert monitor.examine(at_limit).standstill == (0.9, False, "torque limit")
 
 
 def test_zones_without_names_are_numbered(monkeypatch):
     ocp, solution = parked(zones=(STAR, PointingZone("exclusion", [0, 1, 0], [0, 0, 1], 0.2, 1.0)))
     stub(monkeypatch, 0.9)
-    touching = solution._replace(zone_margins=np.array([0.2, -0.01]))
+    touching = solution.replace(zone_margins=np.array([0.2, -0.01]))
     assert StandstillMonitor(ocp, 1e-3).examine(touching).standstill.active_constraint == "zone 1"
 
 

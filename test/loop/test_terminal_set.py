@@ -116,7 +116,7 @@ def test_its_neighboring_extremal_is_that_of_its_own_problem():
     start = lie.exp(np.array([0.02, -0.03, 0.05]))
     plan = controller.command(State(0, start, REST), target(np.eye(3))).report.solution
     turned = plan.attitudes[1] @ lie.exp(np.array([1e-5, 2e-5, -1e-5]))
-    failed = plan._replace(status=Status.MAX_ITERATIONS)
+    failed = plan.replace(status=Status.MAX_ITERATIONS)
     ladder = controller._ladder
     state = State(1, turned, plan.momenta[1])
     corrected = ladder.command(state, target(np.eye(3)), failed)

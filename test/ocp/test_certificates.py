@@ -220,9 +220,15 @@ def test_a_momentum_beyond_all_measure_ends_as_unsolvable_not_as_leftovers():
         solver.solve_batch([START, START], [REST, np.array([0.0, math.nan, 0.0])])
 
 
-def test_nobody_can_write_into_the_reference_of_a_sequence():
-    sequence = NeighboringExtremal(HEAVY)
-    sequence.solve(START, REST)
-    corrected = sequence.solve(START, REST)
-    with pytest.raises(ValueError, match="read-only"):
-        corrected.reference[0, 0] = 2.0
+def test_what_is_written_into_a_solution_of_a_sequence_is_not_in_the_next():
+    again = []
+    for written in (False, True):
+        sequence = NeighboringExtremal(HEAVY)
+        sequence.solve(START, REST)
+        corrected = sequence.solve(START, REST)
+        if written:
+            corrected.reference[...] = corrected.multipliers[...] = 2.0
+        again.append(sequence.solve(START, REST))
+    assert [found.formulation for found in again] == ["neighboring_extremal"] * 2
+    np.testing.assert_array_equal(again[1].reference, np.eye(3))
+    np.testing.assert_array_equal(again[1].torques, again[0].torques)

@@ -177,9 +177,9 @@ def test_the_cheapest_of_several_starts_is_no_dearer_than_any(case_1):
 def test_a_failure_never_wins_however_cheap(case_1):
     ocp, attitude, momentum = case_1
     good = ShootingSolver(ocp).solve(attitude, momentum)
-    bad = good._replace(status=Status.MAX_ITERATIONS, cost=0.0)
+    bad = good.replace(status=Status.MAX_ITERATIONS, cost=0.0)
     assert cheapest((bad, good)).status is Status.CONVERGED
     assert cheapest((good, bad)).status is Status.CONVERGED
-    assert cheapest((bad, bad._replace(status=Status.SADDLE))).status is Status.MAX_ITERATIONS
-    equal = good._replace(cost=good.cost * (1.0 - 1e-14), torques=good.torques.copy())
+    assert cheapest((bad, bad.replace(status=Status.SADDLE))).status is Status.MAX_ITERATIONS
+    equal = good.replace(cost=good.cost * (1.0 - 1e-14), torques=good.torques.copy())
     assert cheapest((good, equal)).torques is good.torques

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import given, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import advance
-from spacecraft_gnc.lie._mat3_kernels import dot, load3
+from spacecraft_gnc.lie._mat3_kernels import dot, load3, load9_rows, store3, store9, store9_rows
 from spacecraft_gnc.ocp._newton_kernels import CONVERGED
-from spacecraft_gnc.ocp._solve_kernels import solve
+from spacecraft_gnc.ocp._solve_kernels import parts_of, solve, stand_still
 
 ROUNDING = 1.0 + 1e-9  # more than separates the norms here from those of NumPy
 
@@ -38,44 +38,42 @@ def _may_stand(error, travel, Pi, u, rest):
 
 @kernel
 def fly_steps(
-    inputs, warm, R, Pi, u, lam, margins, arena, kept,
-    single, rule, damping, estimated, tolerance, max_steps,
-    numbers, body, h, substeps, patience, rest, state, attitudes, momenta, torques, counts, values,
+    inputs, warm, plans, arena, kept, body, h, substeps, patience, rest, state,
+    attitudes, momenta, torques, counts, values,
 ):  # fmt: skip
     """Fly control steps until one is out of the ordinary or the rows are full; return how many.
 
-    The first arguments are those of `solve`: ``inputs`` and ``warm`` move on from step to step, and
-    each array of a plan has room for two, of which row k % 2 belongs to step k, like the
-    ``numbers`` (2, 8) that `solve` returns. ``state`` (5, 3) is room for `advance`. Row k of the
-    last five arrays takes attitude, momentum, torque, iterations, and residual and cost of step k.
+    ``inputs`` (7, 3), R over Pi over R_ref, and ``warm`` (N, 6) move on from step to step; row
+    k % 2 of the flat ``plans`` belongs to step k. ``state`` (5, 3) is room for `advance`. Row k of
+    the last five arrays takes attitude, momentum, torque, iterations, and residual and cost of step
+    k.
     """
+    N = warm.shape[0]
+    stand_still(arena)
     for k in range(counts.shape[0]):
-        i = k % 2
-        status, steps, norm, cost, pivot, largest, error, travel = solve(
-            inputs, warm, R[i], Pi[i], u[i], lam[i], margins[i], arena, kept,
-            single, rule, damping, estimated, tolerance, max_steps,
-        )  # fmt: skip
-        if status != CONVERGED or steps > patience or not _is_finite(u[i]):
+        plan = plans[k % 2]
+        status = solve(
+            given(inputs[:3]), given(inputs[3]), given(inputs[4:]), given(warm), plan, arena, kept
+        )
+        _, _, torque, lam, _, numbers, _ = parts_of(plan, arena)
+        if status != CONVERGED or numbers[1] > patience or not _is_finite(torque):
             return k
-        if _may_stand(error, travel, load3(inputs, 3), load3(u[i], 0), rest):
+        u = load3(torque, 0)
+        if _may_stand(numbers[6], numbers[7], load3(inputs, 3), u, rest):
             return k
         for j in range(3):
             for row in range(4):
                 state[row, j] = inputs[row, j]
-            state[4, j] = u[i, 0, j]
+        store3(state, 4, u)
         if advance(body, h, state, substeps) != substeps:
             return k
-        n = numbers[i]
-        n[0], n[1], n[2], n[3] = status, steps, norm, cost
-        n[4], n[5], n[6], n[7] = pivot, largest, error, travel
-        counts[k], values[k, 0], values[k, 1] = steps, norm, cost
-        for j in range(3):
-            momenta[k, j], torques[k, j] = inputs[3, j], u[i, 0, j]
-            inputs[3, j] = state[3, j]
-            for row in range(3):
-                attitudes[k, row, j] = inputs[row, j]
-                inputs[row, j] = state[row, j]
-        for row in range(warm.shape[0]):
-            for j in range(6):
-                warm[row, j] = lam[i, row + 1, j]
+        counts[k], values[k, 0], values[k, 1] = int(numbers[1]), numbers[2], numbers[3]
+        store3(momenta, k, load3(inputs, 3))
+        store3(torques, k, u)
+        store9(attitudes, k, load9_rows(inputs, 0))
+        store9_rows(inputs, 0, load9_rows(state, 0))
+        store3(inputs, 3, load3(state, 3))
+        for row in range(N):
+            store3(warm, row, load3(lam, row + 1))
+            store3(warm, row, load3(lam, row + 1, 3), 3)
     return counts.shape[0]

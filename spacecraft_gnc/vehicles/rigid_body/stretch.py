@@ -17,8 +17,8 @@ import numpy as np
 from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors.pass_through import PassThroughGovernor
 from spacecraft_gnc.loop.protocols import Flown
-from spacecraft_gnc.ocp import ShootingSolver
-from spacecraft_gnc.ocp.shooting import horizon_shapes
+from spacecraft_gnc.ocp import ShootingSolver, Solution
+from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Reference, State, read_only
 from spacecraft_gnc.vehicles.rigid_body._stretch_kernels import fly_steps
 from spacecraft_gnc.vehicles.rigid_body.controllers.solvers import ShootingController
@@ -61,10 +61,8 @@ class ShootingStretch:
         self._plant, self._controller, self._solver = plant, controller, solver
         ocp = solver.ocp
         n, m = ocp.horizon, min(most, plant.n_steps)
-        self._inputs, self._warm = np.zeros((9, 3)), np.empty((n, 6))
-        shapes = (*horizon_shapes(n), (len(ocp.zones),))
-        self._plans = tuple(np.empty((2, *shape)) for shape in shapes)
-        self._numbers = np.empty((2, 8))
+        self._inputs, self._warm = np.zeros((7, 3)), np.empty((n, 6))
+        self._plans = np.empty((2, solver.layout.size))
         self._room = np.empty((5, 3))
         self._rows = (
             np.empty((m, 3, 3)), np.empty((m, 3)), np.empty((m, 3)), np.empty(m, np.int64),
@@ -75,23 +73,21 @@ class ShootingStretch:
         """Fly up to ``most`` steps from ``state``; None where the first is not an ordinary one."""
         started = perf_counter()
         self._inputs[:3], self._inputs[3] = state.attitude, state.momentum
-        self._inputs[4:7] = reference.attitude
+        self._inputs[4:] = reference.attitude
         guess = self._controller.warm_start
         self._warm[...] = 0.0 if guess is None else guess
         body, rows = self._plant.body, tuple(row[:most] for row in self._rows)
         n = fly_steps(
-            self._inputs, self._warm, *self._plans, *self._solver.work, *self._solver.settings,
-            self._numbers, body.packed, body.time_step, self._plant.substeps,
-            self._controller.patience, self._controller.rest, self._room, *rows,
+            self._inputs, self._warm, self._plans, *self._solver.work,
+            body.packed, body.time_step, self._plant.substeps, self._controller.patience,
+            self._controller.rest, self._room, *rows,
         )  # fmt: skip
         if n == 0:
             return None
         attitudes, momenta, torques, iterations, values = (row[:n] for row in rows)
         last = State(state.step + n - 1, attitudes[-1].copy(), momenta[-1].copy())
-        i, took = (n - 1) % 2, (perf_counter() - started) / n
-        plan = [each[i].copy() for each in self._plans]
-        target = self._inputs[4:7].copy()
-        solution = self._solver.solution_of(plan, self._numbers[i].tolist(), target, took)
+        plan, took = self._plans[(n - 1) % 2].copy(), (perf_counter() - started) / n
+        solution = Solution.of_plan(plan, self._solver.layout, Status.CONVERGED, took)
         attitude, momentum = self._inputs[:3].copy(), self._inputs[3].copy()
         self._plant.take_over(State(state.step + n, read_only(attitude), read_only(momentum)))
         return Flown(
