@@ -88,6 +88,31 @@ def test_values_of_commands_are_compared_on_the_same_machine_only() -> None:
     assert flights.differences(CASE_1, pinned("simulated"), found) == []
 
 
+@pytest.mark.parametrize("name", sorted(flights.BY_SETS))
+def test_a_flight_decided_by_rounding_is_compared_in_the_large_elsewhere(name: str) -> None:
+    stored = store.load(name)
+    for kind in ("simulated", "recorded"):
+        assert flights.differences(name, stored[kind], stored[kind] | {"machine": OTHER}) == []
+
+
+def test_a_bag_that_is_another_in_the_large_is_found() -> None:
+    name = "afrl_docking_thruster_failed"
+    stored = store.load(name)["recorded"]
+    found = copy.deepcopy(stored) | {"machine": OTHER}
+    found["json"]["audit"]["passed"] = False
+    found["json"]["launch"]["phase"] = "docking"
+    fields = found["topics"]["/wrench_command"]["fields"]
+    fields["wrench.force.x"] |= {"largest": 1.2}
+    fields["wrench.force.y"] |= {"sum": 0.0}  # rounding may change it
+    del found["topics"]["/deputy_pose"]["fields"]["pose.position.x"]
+    assert flights.differences(name, stored, found) == [
+        f"{name}: gnc launch --json: phase 'docking'; pinned 'holding'",
+        f"{name}: gnc audit --json: passed False; pinned True",
+        f"{name}: /deputy_pose pose.position.x: missing",
+        f"{name}: /wrench_command wrench.force.x: another by 0.2; allowed 0.1",
+    ]
+
+
 def test_a_new_field_leaves_the_others_pinned() -> None:
     found = copy.deepcopy(pinned("recorded"))
     topic = found["topics"]["/plant_invariants"]
