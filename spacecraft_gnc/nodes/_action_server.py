@@ -51,7 +51,7 @@ class GuardedActionServer(ActionServer):
 
     def refuse(self, reason: str) -> None:
         """Count a refused request, and tell about it."""
-        self._host.refuse(self._action, reason)
+        self._host.refuse(self._action, reason, "request")
 
     # What rclpy calls.
 

@@ -71,5 +71,6 @@ class UsersDoor:
             name,
             f"received more than {_RATE:g} targets per second; required {_BURST} at once and "
             f"{_RATE:g} per second at most; send fewer",
+            "rate",
         )
         return False

@@ -32,7 +32,8 @@ class Refused(Exception):
     reason
         Why, for people.
     kind
-        Why, to be counted: ``seal``, ``layout``, ``step``, ``time`` or ``values``.
+        Why, to be counted: ``seal``, ``layout``, ``step``, ``time`` or ``values``. Nodes count
+        under two more: ``rate`` and ``request``.
     """
 
     def __init__(self, reason: str | None, kind: str = "values") -> None:

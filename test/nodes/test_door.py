@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
 from node_messages import encode_reference, tell
+from rclpy.action import GoalResponse
 
 from spacecraft_gnc.loop.protocols import Reference
 from spacecraft_gnc.nodes._door import TokenBucket
@@ -58,11 +60,14 @@ def test_targets_that_come_too_often_are_refused(ros: Any, monkeypatch: pytest.M
     bucket = TokenBucket(20.0, 10, Clock())
     monkeypatch.setattr(governor._door, "_bucket", bucket)
     tell(governor, "target_attitude", b"garbage")  # takes nothing of what the user may send
-    told: list[str] = []
-    monkeypatch.setattr(governor, "refuse", lambda topic, reason: told.append(f"{topic}: {reason}"))
+    warned: list[str] = []
+    monkeypatch.setattr(governor, "diagnose", lambda *told: warned.append(told[1]))
+    governor._last_report = -math.inf  # that of the garbage is not what is looked for
     for k in range(15):
         target = Reference(turn(0.1 * k), ZERO, ZERO)
         tell(governor, "target_attitude", encode_reference((0, 0), k, target))
-    assert len(told) == 5
-    assert told[0].startswith("target_attitude: received more than 20 targets per second; ")
+    assert governor.refusals == {"target_attitude/layout": 1, "target_attitude/rate": 5}
+    assert warned[0].startswith("target_attitude: received more than 20 targets per second; ")
     assert governor._governor.target[0, 0] == turn(0.9)[0, 0]
+    assert governor._slews._admit(None) is GoalResponse.REJECT
+    assert governor.refusals["slew_to/rate"] == 1
