@@ -12,7 +12,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from spacecraft_gnc.errors import RecordingError
 from spacecraft_gnc.nodes._bag_times import NOT_YET, BagTimes
 from spacecraft_gnc.nodes._foreign import ForeignTopics
-from spacecraft_gnc.nodes._losses import SequenceWatch
+from spacecraft_gnc.nodes._losses import SequenceWatch, Unwatched
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.nodes._parameter_dump import ParameterDump
 from spacecraft_gnc.nodes._runner import run
@@ -159,17 +159,17 @@ class RecorderNode(GncNode):
         announce(self._bag, name, signal.type, [signal.qos], gapless=gapless)
         write = self._writer_of_graph(space, signal, name)
         is_one = self.members.publishers(signal, place.space(signal)) == 1
-        record, watch = self._counted(name, write, alone=bool(self.key) and is_one)
+        is_of_graph = bool(signal.publishers)  # else it is the user's door
+        watch = SequenceWatch(alone=bool(self.key) and is_one) if is_of_graph else Unwatched()
+        record = self._counted(name, write, watch)
         qos = signal.qos if signal.is_latched else RECORD
         self._admit[name] = self.listen(signal, record, space, qos=qos, watch=watch)
 
     # The hot path: once for every message.
 
-    def _counted(
-        self, name: str, write: Record, *, alone: bool = False
-    ) -> tuple[Record, SequenceWatch]:
-        """Return a callback that counts what is lost on the way, and its watch."""
-        self._watches[name] = watch = SequenceWatch(alone=alone)
+    def _counted(self, name: str, write: Record, watch: SequenceWatch) -> Record:
+        """Return a callback that counts what is lost on the way."""
+        self._watches[name] = watch
         see = watch.see
 
         def record(data: bytes, info: Mapping[str, Any]) -> None:
@@ -180,7 +180,7 @@ class RecorderNode(GncNode):
             except RecordingError as error:
                 self.fail(error)
 
-        return record, watch
+        return record
 
     def _writer_of_graph(self, space: str, signal: Signal, name: str) -> Record:
         """Return what writes a topic of the graph, whose times are simulated."""
@@ -210,7 +210,8 @@ class RecorderNode(GncNode):
         offered = [plain_qos(info.qos_profile) for info in publishers]
         type_name = publishers[0].topic_type
         announce(self._bag, name, type_name, offered, gapless=False)
-        record, watch = self._counted(name, self._writer_of_foreign(name))
+        watch = SequenceWatch()
+        record = self._counted(name, self._writer_of_foreign(name), watch)
         self.subscribe(name, kind, qos, record, watch)
         self.get_logger().info(f"records {name} too")
 

@@ -8,12 +8,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Vector3Stamped
-from node_messages import PERIOD_NS
+from node_messages import PERIOD_NS, tell
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
@@ -26,7 +27,7 @@ from spacecraft_gnc.nodes.recorder import RecorderNode
 from spacecraft_gnc.recording.bag import open_bag
 from spacecraft_gnc.ros.qos import ros_qos
 from spacecraft_gnc.signals import graph
-from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, TARGET
+from spacecraft_gnc.signals.attitude import ACCEPTED_TARGET, TARGET, at_rest
 from spacecraft_gnc.signals.members import foreign
 from spacecraft_gnc.signals.message import stamp_of
 from spacecraft_gnc.signals.qos import RECORD
@@ -221,6 +222,20 @@ def test_losses_are_counted_shouted_and_kept(ros: Any, recorder: Any, sender: No
         assert sum(1 for _ in opened.messages(["/words"])) == saved
     told = yaml.safe_load((bag / "metadata.yaml").read_text())["rosbag2_bagfile_information"]
     assert told["custom_data"] == {"messages_lost": str(lost), "messages_lost /words": str(lost)}
+
+
+@pytest.mark.parametrize(("signal", "lost"), [(TARGET, 0), (ACCEPTED_TARGET, 5)], ids=str)
+def test_a_gap_in_what_a_user_numbers_is_no_loss_of_the_flight(
+    ros: Any, recorder: Any, signal: Any, lost: int
+) -> None:
+    """The accepted target comes from a node of the flight, and its gap is one."""
+    node = recorder(signal.name)
+    for step, number in ((40, 1), (90, 7)):
+        data = signal.encode(stamp_of(step, PERIOD_NS), step, at_rest(np.eye(3)))
+        tell(node, signal.name, (data, {"publication_sequence_number": number}))
+    bag = closed(ros, node, 2)
+    with open_bag(bag) as found:
+        assert found.metadata()["losses"] == {f"/{signal}": str(lost)}
 
 
 def test_a_target_now_and_then_is_no_loss(ros: Any, recorder: Any, sender: Node) -> None:
