@@ -30,8 +30,13 @@ class Stage(Enum):
 class Managed:
     """One lifecycle node, seen from outside.
 
+    Before each transition the node is asked what state it is in, and then for the transition that
+    is missing: somebody else may have answered the request before, such as a node of the same name
+    that a killed launcher left behind on the domain, or somebody else may have asked first. While
+    several answer to the name, nothing is concluded from what they say.
+
     A reply is lost if it leaves before the node has discovered us: a service has no late joiners.
-    So a node that does not answer for a while is asked what state it is in.
+    So a node that does not answer for a while is asked what state it is in, too.
 
     Parameters
     ----------
@@ -42,6 +47,8 @@ class Managed:
     """
 
     def __init__(self, node: Node, name: str) -> None:
+        self._node = node
+        self._service = f"/{name}/{_CHANGE}"
         self._change = node.create_client(ChangeState, f"{name}/{_CHANGE}")
         self._get = node.create_client(GetState, f"{name}/{_GET}")
         self._answer: Any = None
@@ -52,12 +59,45 @@ class Managed:
 
     def push(self, *, may_activate: bool) -> None:
         """Take the next step toward ACTIVE, if it can be taken now."""
-        if self.stage is Stage.STARTING and self._change.service_is_ready():
-            self._ask(Stage.CONFIGURING)
+        if self.stage is Stage.STARTING and self._is_there():
+            self._approach(Stage.CONFIGURING)
         elif self.stage is Stage.CONFIGURED and may_activate:
-            self._ask(Stage.ACTIVATING)
-        elif self._answer is not None:
-            self._read_answer()
+            self._approach(Stage.ACTIVATING)
+        elif self.stage in _TRANSITION:
+            self._go_on()
+
+    def _is_there(self) -> bool:
+        return self._change.service_is_ready() and self._get.service_is_ready()
+
+    def _approach(self, stage: Stage) -> None:
+        self.stage = stage
+        self._look_at_state()
+
+    def _go_on(self) -> None:
+        """Take what has been answered."""
+        if self._answer is not None and self._answer.done():
+            self._arrive(success=self._answer.result().success)
+        elif self._look is not None and self._look.done():
+            self._read_state(self._look.result().current_state.label)
+        elif time.monotonic() >= self._patience_ends:
+            self._look_at_state()
+
+    def _look_at_state(self) -> None:
+        self._look = self._get.call_async(GetState.Request())
+        self._be_patient()
+
+    def _read_state(self, label: str) -> None:
+        self._look = None
+        is_asked = self._answer is not None and self._looks < _LOOKS_BEFORE_ASKING_AGAIN
+        if self._node.count_services(self._service) > 1:
+            self._be_patient()
+        elif label in _LABELS_BEYOND[self.stage]:
+            self._arrive(success=True)
+        elif is_asked or label not in _STAGE_FROM:  # in the middle of it
+            self._looks += 1
+            self._be_patient()
+        else:  # also if a request was lost, or what was configured is so no more
+            self._ask(_STAGE_FROM[label])
 
     def _ask(self, stage: Stage) -> None:
         request = ChangeState.Request()
@@ -67,30 +107,12 @@ class Managed:
         self._looks = 0
         self._be_patient()
 
+    def _arrive(self, *, success: bool) -> None:
+        self._answer = self._look = None
+        self.stage = _NEXT[self.stage] if success else Stage.REFUSED
+
     def _be_patient(self) -> None:
-        self._look = None
         self._patience_ends = time.monotonic() + _PATIENCE
-
-    def _read_answer(self) -> None:
-        if self._answer.done():
-            success = self._answer.result().success
-            self._answer = None
-            self.stage = _NEXT[self.stage] if success else Stage.REFUSED
-        elif self._look is not None and self._look.done():
-            self._read_state(self._look.result().current_state.label)
-        elif time.monotonic() >= self._patience_ends:
-            self._look = self._get.call_async(GetState.Request())
-            self._patience_ends = time.monotonic() + _PATIENCE
-
-    def _read_state(self, label: str) -> None:
-        if label == _LABEL[self.stage]:
-            self._answer = None
-            self.stage = _NEXT[self.stage]
-        elif label == _LABEL_BEFORE[self.stage] and self._looks >= _LOOKS_BEFORE_ASKING_AGAIN:
-            self._ask(self.stage)  # the request itself was lost, or will be refused again
-        else:
-            self._looks += 1
-            self._be_patient()
 
 
 _PATIENCE = 1.0  # [s] wall time without an answer
@@ -100,5 +122,5 @@ _TRANSITION = {
     Stage.ACTIVATING: Transition.TRANSITION_ACTIVATE,
 }
 _NEXT = {Stage.CONFIGURING: Stage.CONFIGURED, Stage.ACTIVATING: Stage.ACTIVE}
-_LABEL = {Stage.CONFIGURING: "inactive", Stage.ACTIVATING: "active"}
-_LABEL_BEFORE = {Stage.CONFIGURING: "unconfigured", Stage.ACTIVATING: "inactive"}
+_STAGE_FROM = {"unconfigured": Stage.CONFIGURING, "inactive": Stage.ACTIVATING}
+_LABELS_BEYOND = {Stage.CONFIGURING: ("inactive", "active"), Stage.ACTIVATING: ("active",)}

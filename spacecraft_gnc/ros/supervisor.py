@@ -65,6 +65,7 @@ class Supervisor:
         self._executor = EventsExecutor()
         self._executor.add_node(self._node)
         self._nodes = {name: Managed(self._node, name) for name in names}
+        self._is_up = False
         self._key = key
         self._window = Window(period_ns(fleet.leading.period), fleet.leading.n_steps)
         self._told = Told()
@@ -103,6 +104,8 @@ class Supervisor:
                 self._executor.spin_once(timeout_sec=remaining)
             except (_RCLError, _RMWError) as error:  # an answer that cannot be taken
                 self._told.refuse("ROS 2", Refused(str(error), "layout"))
+            if not self._is_up:
+                self._push()  # each answer is waited for by what is asked next
         self._push()
 
     @property
@@ -147,3 +150,4 @@ class Supervisor:
             others = (n.stage for other, n in self._nodes.items() if other != name)
             allowed = name != PLANT or all(stage is Stage.ACTIVE for stage in others)
             node.push(may_activate=all_configured and allowed)
+        self._is_up = all(stage is Stage.ACTIVE for stage in stages)
