@@ -6,6 +6,8 @@ import os
 import signal
 import time
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import rclpy
@@ -20,6 +22,17 @@ from spacecraft_gnc.signals.graph import CONTROLLER, GOVERNOR
 from spacecraft_gnc.vehicles.rigid_body.signals import STATE
 
 PATIENCE = 60.0  # [s] wall: after this a test has failed
+
+
+@contextmanager
+def standing_still(launcher: Launcher, name: str) -> Iterator[None]:
+    """Stop a node that the flight needs, and with it simulated time."""
+    stopped = launcher._processes[name].pid
+    os.kill(stopped, signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        os.kill(stopped, signal.SIGCONT)
 
 
 def kill_governor_between_steps(launcher: Launcher) -> None:
@@ -39,13 +52,9 @@ def kill_controller_between_steps(launcher: Launcher) -> None:
 
 def _kill_between_steps(launcher: Launcher, name: str, other: str, signal_: Signal) -> None:
     """Kill a node while the ``other`` one stands still, once a message of a step is repeated."""
-    stopped = launcher._processes[other].pid
-    os.kill(stopped, signal.SIGSTOP)
-    try:
+    with standing_still(launcher, other):
         _await_repeat(launcher._domain_id, signal_)
         os.kill(launcher._processes[name].pid, signal.SIGKILL)
-    finally:
-        os.kill(stopped, signal.SIGCONT)
 
 
 def _await_repeat(domain_id: int, signal_: Signal) -> None:
