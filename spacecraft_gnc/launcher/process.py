@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from threading import Thread
 from typing import IO, Final, cast
 
 from spacecraft_gnc.launcher.environment import LOG, TELL_WHERE
@@ -87,16 +88,16 @@ class NodeProcess:
             code = self._popen.wait(patience)
         except subprocess.TimeoutExpired:
             ended = self.exit_code
+            code = self._kill(patience) if ended is None else ended
             if ended is not None:  # but for its last threads
-                return ended
-            self._overdue = time.monotonic() - self._asked_at if self._asked_at else patience
-            code = self._kill()
+                Thread(target=self._popen.wait, daemon=True).start()
         if self._popen.stdin is not None:
             self._popen.stdin.close()
         return code
 
-    def _kill(self) -> int:
+    def _kill(self, patience: float) -> int:
         """Let it log the stacks of its threads, then kill it; return the exit code."""
+        self._overdue = time.monotonic() - self._asked_at if self._asked_at else patience
         title = f"{self.name}: did not end within {self._overdue:.1f} s; its threads:\n"
         self._output.write(title.encode())
         self._popen.send_signal(TELL_WHERE)  # ends a process that has not become a node yet

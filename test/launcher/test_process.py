@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -87,8 +88,11 @@ def test_a_process_has_ended_although_its_last_threads_have_not(tmp_path: Path) 
     assert process._popen.poll() is None
     assert process.join(0.0) == 7
     assert process.describe_end() == f"plant (pid {process.pid}) ended with exit code 7"
-    process._popen.kill()
-    process.join(10.0)
+    assert process._popen.stdin.closed
+    os.kill(process.pid, signal.SIGKILL)
+    patience = time.monotonic() + 60.0
+    while process._popen.returncode is None:  # nobody else waits for it
+        assert time.monotonic() < patience, "it was never reaped"
 
 
 def test_sees_the_launcher_go(tmp_path: Path) -> None:
