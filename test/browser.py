@@ -20,7 +20,8 @@ REQUIRE = "GNC_REQUIRE_BROWSER"
 PATIENCE = 60.0  # [s] longest wait for a condition of a page; polled, never slept through
 WINDOW = (1280, 900)  # [px]
 _CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
-_OWN_SCHEMES = ("data:", "blob:", "chrome", "devtools:")
+_LOGS = ("browser", "performance")
+_OWN_SCHEMES = ("about:", "data:", "blob:", "chrome", "devtools:")
 _FLAGS = (
     "--headless=new",
     "--no-sandbox",  # containers run as root
@@ -38,18 +39,36 @@ _FLAGS = (
 )
 
 
+@pytest.fixture(scope="session")
+def session_browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Yield a Chromium for all tests of a process: its start takes longer than most of them."""
+    with chromium(tmp_path_factory.mktemp("browser")) as window:
+        yield window
+
+
 @pytest.fixture
-def browser(tmp_path: Path) -> Iterator[Any]:
-    """Yield a selenium driver of a new headless Chromium with a recorded console."""
-    with chromium(tmp_path) as window:
+def browser(session_browser: Any) -> Iterator[Any]:
+    """Yield a selenium driver of a headless Chromium with a recorded console, as if it were new."""
+    with as_new(session_browser) as window:
         yield window
 
 
 @pytest.fixture(scope="module")
-def module_browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Yield one for all tests of a module: its start takes longer than most of them."""
-    with chromium(tmp_path_factory.mktemp("browser")) as window:
+def module_browser(session_browser: Any) -> Iterator[Any]:
+    """Yield one whose page stays from one test of a module to the next."""
+    with as_new(session_browser) as window:
         yield window
+
+
+@contextmanager
+def as_new(window: Any) -> Iterator[Any]:
+    """Lend a browser without the size and the logs of whoever had it before, and close the page."""
+    window.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    window.set_window_size(*WINDOW)
+    for log in _LOGS:
+        window.get_log(log)
+    yield window
+    window.get("about:blank")
 
 
 @contextmanager
@@ -62,7 +81,7 @@ def chromium(folder: Path) -> Iterator[Any]:
     options.binary_location = program
     for flag in (*_FLAGS, f"--user-data-dir={folder / 'chromium'}"):
         options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    options.set_capability("goog:loggingPrefs", dict.fromkeys(_LOGS, "ALL"))
     service = webdriver.ChromeService(executable_path=driver)
     window = webdriver.Chrome(options=options, service=service)
     try:

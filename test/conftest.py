@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
-from browser import browser, module_browser  # noqa: F401 - fixtures
+from browser import browser, module_browser, session_browser  # noqa: F401 - fixtures
 from hypothesis import settings
 
 # Timings do not depend on the code alone (first calls compile), and CI must not depend on a seed.
