@@ -43,7 +43,12 @@ def test_the_other_models_bring_it_to_rest_too(model):
 
 @pytest.mark.parametrize(
     "start",
-    [(math.pi, 0.0, 0.0), (0.0, 0.0, math.pi), (0.3, math.pi / 2, -0.2), (-1.25, -0.237, -2.827)],
+    [
+        (math.pi, 0.0, 0.0),
+        pytest.param((0.0, 0.0, math.pi), marks=pytest.mark.long),  # "far" has waypoints too
+        (0.3, math.pi / 2, -0.2),
+        (-1.25, -0.237, -2.827),
+    ],
     ids=["half turn about a wheel", "half turn about the third axis", "pitch 90 deg", "far"],
 )
 def test_every_turn_is_flown(start):
@@ -85,7 +90,7 @@ FAR = (0.0, 0.0, 3.1)
         (FAR, (0.0, 0.0), 1050.0),
         (REPORT, (100.0, 0.0), 500.0),
         (REPORT, (0.0, 5.0), 500.0),
-        (REPORT, (1e6, 1e6), 500.0),
+        pytest.param(REPORT, (1e6, 1e6), 500.0, marks=pytest.mark.long),  # as without any
     ],
     ids=["none", "none, far", "no acceleration", "no speed", "beyond use"],
 )
