@@ -1,8 +1,9 @@
-"""Check the package as a user installs it: sdist and wheel, in clean environments.
+"""Check the package as a user installs it: sdist and wheel, in a clean environment.
 
 Both are built from the files under version control; the wheel built from the sdist must hold the
-same files. The wheel is then installed alone, with ROS, and with every extra, at the versions of
-the lock; each environment must provide its functions and report a missing one in one line.
+same files. The wheel is then installed into a clean environment, alone, with ROS, and with every
+extra, one after the other as a user follows the remedies, at the versions of the lock; each time
+the environment must provide its functions and report a missing one in one line.
 
 usage: python tools/check_package.py
 """
@@ -22,6 +23,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 ROOT: Final = Path(__file__).parents[1]
+CONSTRAINTS: Final = "constraints.txt"
 FLY: Final = ("simulate", "gupta2015_case1", "--set", "plant.duration=2.0", "--quiet")
 NEEDS_ROS: Final = (("gnc", "inspect", "nodes"), ("gnc", "view"))
 NEEDS_MESSAGES: Final = (
@@ -53,9 +55,11 @@ def main() -> int:
         try:
             wheel = build(folder)
             check_metadata(wheel)
+            venv = folder / "venv"
+            make_environment(venv)
             for extra in ("", "[ros]", "[all]"):
                 started = time.monotonic()
-                check_installed(folder / f"venv{extra}", f"{wheel}{extra}", extra)
+                check_installed(venv, f"{wheel}{extra}", extra)
                 seconds = time.monotonic() - started
                 print(f"spacecraft_gnc{extra}: installed and tried ({seconds:.0f} s)")
         except Failed as error:
@@ -93,21 +97,25 @@ def check_metadata(wheel: Path) -> None:
         raise Failed(f"{wheel.name}: relative links in the description: {relative}")
 
 
-def check_installed(venv: Path, requirement: str, extra: str) -> None:
-    """Install into a new environment, and test its present and missing functions."""
+def make_environment(venv: Path) -> None:
+    """Make an environment, and a file of the versions of the lock."""
     succeed(sys.executable, "-m", "venv", venv)
     lock = (ROOT / "requirements.lock").read_text(encoding="utf-8")
     pins = re.findall(r"^[A-Za-z0-9][^\\\n]*", lock, flags=re.MULTILINE)
-    constraints = venv / "constraints.txt"
-    constraints.write_text("\n".join(pins), encoding="utf-8")
+    (venv / CONSTRAINTS).write_text("\n".join(pins), encoding="utf-8")
+
+
+def check_installed(venv: Path, requirement: str, extra: str) -> None:
+    """Install into an environment, and test its present and missing functions."""
     pip = (venv / "bin" / "python", "-m", "pip")
-    succeed(*pip, "install", "-qq", "--retries", "10", "-c", constraints, requirement)
+    quickly = ("-qq", "--no-compile", "--retries", "10")  # most modules are never imported
+    succeed(*pip, "install", *quickly, "-c", venv / CONSTRAINTS, requirement)
     succeed(*pip, "check", "-q")
-    gnc, flight = venv / "bin" / "gnc", venv / "flight.npz"
+    gnc, flight = venv / "bin" / "gnc", venv / f"flight{extra}.npz"
     succeed(gnc, "check", "gupta2015_case1")
     # Interpreted, for a flight of five steps: compiling takes a minute, and the set-up tests it.
     succeed(gnc, *FLY, "--out", flight, cwd=venv, NUMBA_DISABLE_JIT="1")
-    succeed(gnc, "report", flight, "--out", venv / "report.html", NUMBA_DISABLE_JIT="1")
+    succeed(gnc, "report", flight, "--out", venv / f"report{extra}.html", NUMBA_DISABLE_JIT="1")
     lacking = "make setup" if extra else "pip install 'spacecraft_gnc[ros]'"
     for command in NEEDS_MESSAGES if extra else (*NEEDS_ROS, *NEEDS_MESSAGES):
         refuse(lacking, venv / "bin" / command[0], *command[1:], cwd=venv)
