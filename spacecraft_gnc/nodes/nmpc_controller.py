@@ -1,4 +1,4 @@
-"""Node ``nmpc_controller``: solves one optimal control problem at each tick of simulated time."""
+"""Node ``nmpc_controller``: solves one optimal control problem at each control step."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from spacecraft_gnc.scenario import Scenario
 from spacecraft_gnc.signals import Signal
 from spacecraft_gnc.signals.graph import CONTROLLER, WALL_STATUS, WALL_STATUS_PERIOD
 from spacecraft_gnc.signals.members import Seams
-from spacecraft_gnc.signals.message import Stamp, period_ns
+from spacecraft_gnc.signals.message import Stamp
 
 _NEVER = -1
 
@@ -43,10 +43,11 @@ class _Job(NamedTuple):
 
 
 class ControllerNode(GncNode):
-    """Answers step k once state k and reference k are here and simulated time has reached t_k.
+    """Answers step k once state k and reference k are here.
 
-    Whichever comes last triggers the solve, so arrival order does not matter. A repeated state is
-    answered by the same bytes.
+    Whichever comes last triggers the solve, so arrival order does not matter. State k brings the
+    simulated time t_k with it, so there is no timer to wait for. The last state has no step to
+    make. A repeated state is answered by the same bytes.
 
     A slow controller computes in a thread of its own, and the node stays responsive meanwhile. Of
     the states that come during a solve the last is answered next; a step passed over is counted.
@@ -62,7 +63,6 @@ class ControllerNode(GncNode):
         self._controller.warm_up()
         self._past = past_of(self, self._controller, self._answer_again, self._past)
         self._worker: Worker[_Job, Command] | None = None
-        self._period_ns = period_ns(self._controller.period)
         self._signals = vehicle_signals(scenario.vehicle)
         self._seams = Seams.among(self._signals)
         self._outputs = outputs_of(scenario)
@@ -80,9 +80,6 @@ class ControllerNode(GncNode):
         self._publish_wall_status = self.advertise(WALL_STATUS).publish
         self._states = self.listen(self._seams.state, self._on_state)
         self._references = self.listen(self._seams.reference, self._on_reference)
-        timer = self.create_timer(self._controller.period, self._on_tick)
-        timer.timer_period_ns = self._period_ns
-        self.own(timer)
         self.every(WALL_STATUS_PERIOD, self._report)
 
     def start(self) -> None:
@@ -97,7 +94,6 @@ class ControllerNode(GncNode):
         self._reference: Any = None
         self._step = self._reference_step = self._answered = _NEVER
         self._skipped = 0
-        self._due = 0  # a ROS-time timer never fires at t = 0, where step 0 is due
         self._command: Command | None = None
         self._unheard = False
         for signal, value in self._outputs.setup():
@@ -147,11 +143,6 @@ class ControllerNode(GncNode):
         self._reference_bytes = data
         self._answer_if_due()
 
-    def _on_tick(self) -> None:
-        self._due = self.get_clock().now().nanoseconds // self._period_ns
-        if self.active:
-            self._answer_if_due()
-
     # What goes out.
 
     def _answer_if_due(self) -> None:
@@ -159,7 +150,7 @@ class ControllerNode(GncNode):
         if state is None or reference is None or self._busy or self._unheard:
             return
         step = self._step
-        if self._reference_step == step > self._answered and self._due >= step:
+        if self._reference_step == step > self._answered and step < self.window.n_steps:
             if self._answered != _NEVER:
                 self._skipped += step - self._answered - 1
             self._answered = step

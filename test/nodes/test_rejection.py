@@ -140,17 +140,16 @@ def test_a_repeated_state_is_answered_by_the_same_bytes(ros: Any) -> None:
     assert sent[0] == sent[1]
 
 
-def test_the_controller_waits_for_its_tick(ros: Any) -> None:
+@pytest.mark.parametrize(("before_end", "answers"), [(1, 1), (0, 0)])
+def test_the_last_state_has_no_step_to_make(ros: Any, before_end: int, answers: int) -> None:
     controller = started(ros.add(ControllerNode()))
     sent: list[bytes] = []
     controller._outlets[TORQUE] = sent.append
-    for _ in range(2):  # one that joins in mid-flight answers the repeat
-        tell(controller, "attitude_state", state(4))
-    tell(controller, "attitude_reference", reference(4))
-    assert sent == []
-    controller._due = 4
-    controller._answer_if_due()
-    assert len(sent) == 1
+    step = controller.window.n_steps - before_end
+    controller.is_unheard = lambda _: False  # one that joins in mid-flight would wait
+    tell(controller, "attitude_state", state(step))
+    tell(controller, "attitude_reference", reference(step))
+    assert len(sent) == answers
 
 
 class Readiness:
@@ -175,7 +174,6 @@ def test_who_joins_in_mid_flight_answers_once_it_is_heard(ros: Any, step: int, w
     references: list[bytes] = []
     controller._outlets[TORQUE] = torques.append
     governor._outlets[REFERENCE] = references.append
-    controller._due = step
     tell(controller, "attitude_reference", reference(step))
     for _ in range(3):
         tell(controller, "attitude_state", state(step))

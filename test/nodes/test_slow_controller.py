@@ -75,7 +75,6 @@ def activated(node: ControllerNode) -> Any:
     node.trigger_configure()
     node.trigger_activate()
     assert node.active, node.failure
-    node._due = 100  # simulated time is not what is tested here
     return node
 
 
@@ -175,7 +174,6 @@ def test_a_result_that_comes_after_deactivation_is_dropped(ros: Any, controller:
     controller.trigger_activate()
     ros.spin_until(lambda: not worker.busy)
     assert controller.sent == []
-    controller._due = 100
     ask(controller, 0)
     Gated.gate.release()
     ros.spin_until(lambda: steps(controller) == [0])
@@ -209,7 +207,6 @@ def test_a_node_configured_anew_does_not_wait_for_it(
     assert worker._thread.is_alive()
     sent: list[bytes] = []
     controller._outlets[TORQUE] = sent.append
-    controller._due = 100
     ask(controller, 0)
     Gated.gate.release(2)
     ros.spin_until(lambda: sent and not worker.busy)
