@@ -18,6 +18,7 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from spacecraft_gnc.nodes._clock import SimulatedClock
+from spacecraft_gnc.nodes._exchange import HANDED_OVER, Exchange
 from spacecraft_gnc.nodes._losses import SequenceWatch, with_info
 from spacecraft_gnc.nodes._readiness import Readiness
 from spacecraft_gnc.ros.endpoints import message_type
@@ -71,6 +72,8 @@ class NodeWithEnds(LifecycleNode):
         self.steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.key = key_in(os.environ) or b""
         """Of the flight; empty: no launcher gave one, and nothing is sealed."""
+        self.exchange: Exchange | None = None
+        """With the other nodes of this process; None: there are none."""
         self._simulated = SimulatedClock(self)
         self._resources = ExitStack()
         self._open_publishers: list[Publisher] = []
@@ -115,10 +118,17 @@ class NodeWithEnds(LifecycleNode):
         self._open_publishers.append(publisher)
         count = self.members.subscribers(signal, place.space(signal))
         self._expect(place, signal, count, publisher.get_subscription_count)
-        if not (self.key and signal.sealed):
-            return Outlet(publisher.publish, publisher)
-        seal = sealer(self.key, topic, self.get_fully_qualified_name())
-        return Outlet(lambda data: publisher.publish(seal(data)), publisher)
+        publish: Callable[[bytes], None] = publisher.publish
+        if self.key and signal.sealed:
+            seal = sealer(self.key, topic, self.get_fully_qualified_name())
+
+            def publish(data: bytes) -> None:
+                publisher.publish(seal(data))
+
+        if self.exchange is not None and not signal.is_latched:
+            # That of the handle, because it is asked for each message: a third of the time.
+            publish = self.exchange.outlet(topic, publish, publisher.handle.get_subscription_count)
+        return Outlet(publish, publisher)
 
     def listen(
         self,
@@ -144,6 +154,16 @@ class NodeWithEnds(LifecycleNode):
             except Refused as refusal:
                 self.refuse(name, str(refusal), refusal.kind)
 
+        told = () if watch is None else (HANDED_OVER,)
+
+        def on_handed_over(data: bytes) -> None:
+            try:
+                callback(data, *told)
+            except Refused as refusal:
+                self.refuse(name, str(refusal), refusal.kind)
+
+        if self.exchange is not None and not signal.is_latched:
+            self._resources.enter_context(self.exchange.reading(topic, on_handed_over))
         kind, profile = message_type(signal.type), ros_qos(qos or signal.qos)
         subscription = self.subscribe(topic, kind, profile, on_message, watch)
         count = self.members.publishers(signal, place.space(signal))

@@ -6,7 +6,8 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-_NUMBER: Final = "publication_sequence_number"
+NUMBER: Final = "publication_sequence_number"
+"""Key of the number in a message info of rclpy; its value is None where nobody counts."""
 _PAIR = inspect.signature(lambda data, info: None)  # noqa: ARG005 - only its shape is of use
 
 
@@ -37,7 +38,7 @@ class SequenceWatch:
 
     def see(self, info: Mapping[str, Any]) -> bool:
         """Take the message info of one message; return whether messages before it were lost."""
-        number = info[_NUMBER]
+        number = info[NUMBER]
         expected = self._expected
         if number in expected:  # nearly always; a handful of publishers at most
             expected[expected.index(number)] = number + 1

@@ -32,10 +32,12 @@ from rclpy.utilities import remove_ros_args
 from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
 from spacecraft_gnc.launcher.environment import LOG, SUPERVISED, TELL_WHERE, prepare
 from spacecraft_gnc.nodes._deadline import end_within
+from spacecraft_gnc.nodes._exchange import Exchange
 from spacecraft_gnc.nodes._node import GncNode
 from spacecraft_gnc.ros.parameters import command_line, given_parameters
 
 _SPIN = 0.1  # [s] wall: how late a signal may be noticed
+_BURST = 0.002  # [s] wall: how long messages are handed over before the executor has its turn
 _RCLError = rclpy_implementation.RCLError  # has no public name
 _FAREWELL = 2.0  # [s] wall: granted to DDS at the end of a process; less than a launcher grants
 _TELL_WHERE_AFTER = 1.8  # [s] wall of these
@@ -79,14 +81,18 @@ def _run(node_types: Sequence[Callable[[], GncNode]], argv: list[str]) -> int:
         gc.freeze()  # what was imported stays: the collection at the end is short on a busy machine
         rclpy.init(args=argv, signal_handler_options=SignalHandlerOptions.NO)
         executor = EventsExecutor()
+        exchange = Exchange() if len(node_types) > 1 else None
         for node_type in node_types:
             nodes.append(node_type())
+            nodes[-1].exchange = exchange
             executor.add_node(nodes[-1])
+        loop = Loop(executor, nodes, exchange)
         try:
             _start(nodes)
-            _spin(executor, nodes, stop)
+            while not stop and not any(node.finished for node in nodes):
+                loop.turn(_SPIN)
         finally:
-            _end(executor, nodes)
+            _end(loop, nodes)
         code = _exit_code(nodes)
     except GncError as error:
         report(error)
@@ -215,32 +221,66 @@ def _start(nodes: Sequence[GncNode]) -> None:
         node.runner_reports = False
 
 
-def _spin(executor: Executor, nodes: Sequence[GncNode], stop: _StopRequest) -> None:
-    while not stop and not any(node.finished for node in nodes):
-        _spin_once(executor, nodes[0], _SPIN)
+class Loop:
+    """Handles what comes to the nodes of a process.
 
-
-def _spin_once(executor: Executor, node: GncNode, timeout: float) -> None:
-    """Handle one event, if one comes.
-
-    A callback takes care of what its message or request leads to; here ends what cannot even be
-    taken. An executor does not tell whose it was, so ``node`` refuses it for all.
+    Parameters
+    ----------
+    executor
+        Of the nodes.
+    nodes
+        In the order in which they start.
+    exchange
+        Between the nodes; None: there is one node.
     """
-    try:
-        executor.spin_once(timeout_sec=timeout)
-    except InvalidHandle:
-        pass  # an event of an endpoint that was destroyed meanwhile: nobody waits for it
-    except _RCLError as error:
-        node.refuse("ROS 2", str(error))
+
+    def __init__(
+        self, executor: Executor, nodes: Sequence[GncNode], exchange: Exchange | None
+    ) -> None:
+        self._executor = executor
+        self._nodes = tuple(nodes)
+        self._exchange = exchange
+
+    def turn(self, timeout: float) -> None:
+        """Hand messages over for a moment, then handle one event of ROS, if one comes in time.
+
+        A callback takes care of what its message or request leads to; here ends what cannot even
+        be taken. An executor does not tell whose it was, so the first node refuses it for all.
+        """
+        try:
+            if self._exchange is not None and self._hand_over(self._exchange):
+                timeout = 0.0
+            self._executor.spin_once(timeout_sec=timeout)
+        except InvalidHandle:
+            pass  # an event of an endpoint that was destroyed meanwhile: nobody waits for it
+        except _RCLError as error:
+            self._nodes[0].refuse("ROS 2", str(error))
+
+    def _hand_over(self, exchange: Exchange) -> bool:
+        """Hand messages over until none waits or a node has finished; return whether some wait."""
+        until = time.monotonic() + _BURST
+        while exchange.deliver() and time.monotonic() < until:
+            for node in self._nodes:
+                if node.finished:
+                    return True
+        return bool(exchange)
+
+    def drain(self, node: GncNode) -> None:
+        """Let a node handle what has reached it before it ends."""
+        handled = -1
+        while handled != node.progress():
+            handled = node.progress()
+            for _ in range(_DRAIN_ROUNDS):
+                self.turn(0.0)
 
 
-def _end(executor: Executor, nodes: Sequence[GncNode]) -> None:
+def _end(loop: Loop, nodes: Sequence[GncNode]) -> None:
     """Shut the nodes down, last first, so that the recorder receives the last messages of all."""
     for node in reversed(nodes):
         if node.active:
-            _drain(executor, node)
+            loop.drain(node)
             node.trigger_deactivate()
-            _drain(executor, nodes[0])
+            loop.drain(nodes[0])
     for node in reversed(nodes):
         node.trigger_shutdown()
 
@@ -250,12 +290,3 @@ def _exit_code(nodes: Sequence[GncNode]) -> int:
     for failure in failures:
         report(failure)
     return max((getattr(failure, "exit_code", 1) for failure in failures), default=0)
-
-
-def _drain(executor: Executor, node: GncNode) -> None:
-    """Let a node handle what has reached it before it ends."""
-    handled = -1
-    while handled != node.progress():
-        handled = node.progress()
-        for _ in range(_DRAIN_ROUNDS):
-            _spin_once(executor, node, 0.0)
