@@ -17,6 +17,7 @@ from mcap.writer import CompressionType, Writer
 
 from spacecraft_gnc import __version__
 from spacecraft_gnc.errors import RecordingError
+from spacecraft_gnc.recording._append import appender
 from spacecraft_gnc.recording._file import RecordFile, prepare_folder, refused_message, stopped
 from spacecraft_gnc.recording.metadata import (
     DISTRO,
@@ -91,6 +92,7 @@ class BagWriter:
             compression=CompressionType[compression.upper()],
             enable_data_crcs=True,  # any byte that changes is found by `_verify`
         )
+        self._append = appender(self._mcap)
         with self._saving():
             self._mcap.start(profile="ros2", library=f"spacecraft_gnc {__version__}")
 
@@ -157,7 +159,7 @@ class BagWriter:
         entry = self._live.get(topic)
         if entry is None or log_time_ns < 0 or publish_time_ns < 0:
             raise refused_message(self.path, topic, entry is not None, log_time_ns, publish_time_ns)
-        self._mcap.add_message(entry.channel_id, log_time_ns, data, publish_time_ns, entry.messages)
+        self._append(entry.channel_id, entry.messages, log_time_ns, publish_time_ns, data)
         entry.messages += 1
         if entry.stepped:
             entry.count_step(data)

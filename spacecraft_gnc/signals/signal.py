@@ -120,7 +120,7 @@ class Signal:
         """Whether its messages carry their control step."""
         return self.start == STEPPED
 
-    @property
+    @cached_property
     def is_stamped(self) -> bool:
         """Whether its messages begin with a time."""
         first = next(iter(self.kinds.values()))
