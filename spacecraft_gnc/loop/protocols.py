@@ -7,7 +7,7 @@ number of the control step that it starts.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 from numpy.typing import NDArray
@@ -114,7 +114,7 @@ class Plant(Protocol[S_co, U_contra]):
     def idle_control(self) -> Any:
         """Control where no command came."""
 
-    def outputs(self, applied: tuple[Any, Any]) -> Sequence[tuple[Signal, Any]]:
+    def outputs(self, applied: tuple[Any, Any]) -> Iterable[tuple[Signal, Any]]:
         """Return what a node publishes at the start of the current step, the state first.
 
         ``applied``: control and its source over the step that ended now; of several craft, their

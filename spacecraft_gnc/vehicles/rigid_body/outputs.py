@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any, Final, Protocol
 
 from spacecraft_gnc import lie
@@ -65,8 +66,10 @@ class Outputs:
 
     def controller(
         self, state: State, reference: Reference, command: Command, wall: tuple[float, float]
-    ) -> Told:
-        """Return what the controller tells of a command, which comes first.
+    ) -> Iterator[tuple[Signal, Any]]:
+        """Yield what the controller tells of a command.
+
+        The command comes first, and nothing else is computed before it is taken: the plant waits.
 
         Parameters
         ----------
@@ -75,12 +78,10 @@ class Outputs:
         wall
             Wall time of the solve, and what was left until the deadline [s].
         """
-        return [
-            (TORQUE, command),
-            (SOLVER_STATUS, self._status(command, wall)),
-            (ATTITUDE_ERROR, error_of(state.attitude, reference)),
-            *_told_of(plan_of(command)),
-        ]
+        yield TORQUE, command
+        yield SOLVER_STATUS, self._status(command, wall)
+        yield ATTITUDE_ERROR, error_of(state.attitude, reference)
+        yield from _told_of(plan_of(command))
 
     def progress(self, state: State, reference: Reference, command: Command) -> dict[str, Any]:
         """Return what a progress display shows of a step."""

@@ -167,21 +167,19 @@ class RigidBodyPlant:
         """Body rate (3,) of the current state [rad/s]."""
         return self.body.angular_velocity(self._state.momentum)
 
-    def outputs(self, applied: tuple[Vector3, Source]) -> list[tuple[Signal, Any]]:
-        """Return what is published at the start of the current step, the state first.
+    def outputs(self, applied: tuple[Vector3, Source]) -> Iterator[tuple[Signal, Any]]:
+        """Yield what is published at the start of the current step.
 
+        The state comes first, and nothing else is computed before it is taken: the others wait.
         ``applied``: torque (3,) [N m] that was asked for over the step that ended now, and its
         source; what the actuators gave of it is told.
         """
         state, (asked, source) = self._state, applied
         torque = self.actuators.given(asked)
-        outputs: list[tuple[Signal, Any]] = [
-            (STATE, StateAndRate(state, self.angular_velocity())),
-            (INVARIANTS, (*self.invariants(), torque, int(source), self._external)),
-        ]
+        yield STATE, StateAndRate(state, self.angular_velocity())
+        yield INVARIANTS, (*self.invariants(), torque, int(source), self._external)
         if self._pose_every and state.step % self._pose_every == 0:
-            outputs.append((POSE, pose_of(state.attitude)))
-        return outputs
+            yield POSE, pose_of(state.attitude)
 
     def warm_up(self) -> None:
         """Load the integrator's kernels."""
