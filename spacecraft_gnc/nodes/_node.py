@@ -6,7 +6,7 @@ import time
 import traceback
 from collections import Counter
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.duration import Duration
@@ -36,6 +36,9 @@ class GncNode(NodeWithEnds):
 
     fleet: Fleet
     """What flies in the graph."""
+    GATHERS: ClassVar[float] = 0.0
+    """Wall time for which a process of this node alone lets messages gather while it is active
+    [s]; 0: each is handled as it comes."""
 
     def __init__(self, namespace: str | None = None) -> None:
         super().__init__(self.ROLE, namespace)

@@ -27,6 +27,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.lifecycle import TransitionCallbackReturn
 from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 
 from spacecraft_gnc.errors import GncError, LaunchError, ScenarioError
@@ -240,9 +241,12 @@ class Loop:
         self._executor = executor
         self._nodes = tuple(nodes)
         self._exchange = exchange
+        self._gathers = nodes[0].GATHERS if exchange is None else 0.0
 
     def turn(self, timeout: float) -> None:
         """Hand messages over for a moment, then handle one event of ROS, if one comes in time.
+
+        A node that lets messages gather handles after this event all that have gathered.
 
         A callback takes care of what its message or request leads to; here ends what cannot even
         be taken. An executor does not tell whose it was, so the first node refuses it for all.
@@ -251,6 +255,10 @@ class Loop:
             if self._exchange is not None and self._hand_over(self._exchange):
                 timeout = 0.0
             self._executor.spin_once(timeout_sec=timeout)
+            if self._gathers and timeout and self._nodes[0].active:
+                time.sleep(self._gathers)
+                # Handles everything that is there, and waits for nothing.
+                self._executor.spin_until_future_complete(Future(), 0.0)
         except InvalidHandle:
             pass  # an event of an endpoint that was destroyed meanwhile: nobody waits for it
         except _RCLError as error:

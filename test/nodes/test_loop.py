@@ -10,6 +10,8 @@ import pytest
 from spacecraft_gnc.nodes import _runner
 from spacecraft_gnc.nodes._exchange import Exchange
 from spacecraft_gnc.nodes._runner import Loop
+from spacecraft_gnc.nodes.plant import PlantNode
+from spacecraft_gnc.nodes.recorder import RecorderNode
 
 
 class Executor:
@@ -32,8 +34,23 @@ def told(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     return told
 
 
-def node() -> Any:
-    return SimpleNamespace(finished=False)
+def node(kind: Any = PlantNode, *, active: bool = True) -> Any:
+    return SimpleNamespace(GATHERS=kind.GATHERS, active=active, finished=False, progress=lambda: 0)
+
+
+def test_a_recorder_alone_lets_messages_gather(told: list[Any]) -> None:
+    Loop(Executor(told), [node(RecorderNode)], None).turn(0.1)
+    assert told == [("once", 0.1), ("sleep", RecorderNode.GATHERS), ("all", 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("kind", "active", "timeout"),
+    [(RecorderNode, False, 0.1), (RecorderNode, True, 0.0), (PlantNode, True, 0.1)],
+)
+def test_who_waits_for_nothing(told: list[Any], kind: Any, active: bool, timeout: float) -> None:
+    """A node that starts, one that is drained at its end, and one that others wait for."""
+    Loop(Executor(told), [node(kind, active=active)], None).turn(timeout)
+    assert told == [("once", timeout)]
 
 
 def test_what_waits_in_the_process_goes_first(told: list[Any]) -> None:
@@ -42,7 +59,7 @@ def test_what_waits_in_the_process_goes_first(told: list[Any]) -> None:
     with exchange.reading("/a", told.append):
         send(b"1")
         send(b"2")
-        Loop(Executor(told), [node(), node()], exchange).turn(0.1)
+        Loop(Executor(told), [node(RecorderNode), node()], exchange).turn(0.1)
     assert told == [b"1", b"2", ("once", 0.1)]
 
 
