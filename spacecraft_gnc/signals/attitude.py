@@ -34,21 +34,27 @@ SLEW_ACTION: Final = "slew_to"
 _STILL: Final = read_only(np.zeros(3))
 
 
-_last: tuple[Matrix3, Array] = (read_only(np.eye(3)), np.array([0.0, 0.0, 0.0, 1.0]))
+_Known = tuple[Matrix3, Array]
+_recent: tuple[_Known, ...] = ((read_only(np.eye(3)), np.array([0.0, 0.0, 0.0, 1.0])),)
 
 
 def quaternion_of(attitude: Matrix3) -> Array:
-    """Return the quaternion (4,) x, y, z, w of an attitude; that of the last one is at hand.
+    """Return the quaternion (4,) x, y, z, w of an attitude; those of the last two are at hand.
 
-    A state and its pose are one attitude, and most references are the one before.
+    A state and its pose are one attitude, and most references are the one before. Two, because all
+    nodes may live in one process.
     """
-    global _last  # noqa: PLW0603 - a memo of one entry, replaced as a whole
-    known, quaternion = _last
-    if attitude is known:
-        return quaternion
+    global _recent  # noqa: PLW0603 - a memo of two entries, replaced as a whole
+    newest, *older = _recent
+    if attitude is newest[0]:
+        return newest[1]
+    for entry in older:
+        if attitude is entry[0]:
+            _recent = entry, newest
+            return entry[1]
     quaternion = lie.to_quaternion_xyzw(attitude)
     if not attitude.flags.writeable:
-        _last = attitude, quaternion
+        _recent = (attitude, quaternion), newest
     return quaternion
 
 
