@@ -55,7 +55,9 @@ class Listener:
             launcher._signal = 2
 
     def _hear(self, signal: Signal, steps: list[int], data: bytes) -> None:
-        steps.append(signal.read(without_seal(data)).step)
+        step = signal.read(without_seal(data)).step
+        if steps[-1:] != [step]:  # else repeated after a stall, as on a busy machine
+            steps.append(step)
 
 
 def test_who_listens_from_outside_hears_everything_and_nothing_is_lost(graph: Any, at: Any) -> None:
