@@ -1,9 +1,10 @@
 """Compilation of the kernels, and the one-line notice shown when it takes long.
 
-``cache``: compiled once, at set-up. ``error_model="numpy"``: a division by zero gives infinity or
-NaN, which the solvers report as a status, instead of an exception in the loop. No fast-math: the
-same numbers interpreted (NUMBA_DISABLE_JIT=1) and on every machine with the same libraries.
-``no_cfunc_wrapper``: no C callbacks, which are unused and take a fifteenth of the set-up time.
+Cached (`_cached_kernels`): compiled once, at set-up. ``error_model="numpy"``: a division by zero
+gives infinity or NaN, which the solvers report as a status, instead of an exception in the loop. No
+fast-math: the same numbers interpreted (NUMBA_DISABLE_JIT=1) and on every machine with the same
+libraries. ``no_cfunc_wrapper``: no C callbacks, which are unused and take a fifteenth of the set-up
+time.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from numba.core import cgutils, event
 from numba.extending import intrinsic, overload
 
 from spacecraft_gnc import SILENT_COMPILER
+from spacecraft_gnc._cached_kernels import KernelCache
 
 _PACKAGE: Final = __name__.partition(".")[0]
 _PATIENCE: Final = 1.0  # [s] of compiling; a single kernel for a new type takes less
@@ -27,10 +29,23 @@ _PATIENCE: Final = 1.0  # [s] of compiling; a single kernel for a new type takes
 # 3x3 matrices at twice the speed, by the same operations, so with the same bits.
 numba_config.SLP_VECTORIZE = 1
 
-kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True)
-inlined_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, forceinline=True)
+
+def _cached(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return a decorator that compiles kernels with these options and caches them."""
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        compiled = njit(error_model="numpy", no_cfunc_wrapper=True, **options)(function)
+        if compiled is not function:  # else it runs interpreted
+            compiled._cache = KernelCache(function)  # noqa: SLF001 - as numba's enable_caching does
+        return compiled
+
+    return decorate
+
+
+kernel = _cached()
+inlined_kernel = _cached(forceinline=True)
 """For few operations on tuples, which a call would pass through memory: put into every caller."""
-unlocked_kernel = njit(cache=True, error_model="numpy", no_cfunc_wrapper=True, nogil=True)
+unlocked_kernel = _cached(nogil=True)
 """For kernels that take milliseconds, called from Python: other threads run meanwhile."""
 
 

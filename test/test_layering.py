@@ -19,6 +19,7 @@ FILES = sorted(ROOT.rglob("*.py"))
 
 LAYERS = (
     {"__init__", "errors", "extras", "arguments", "arrays", "lazy", "status"},
+    {"_cached_kernels"},
     {"types", "_kernels"},
     {"solvability"},
     {"lie"},
