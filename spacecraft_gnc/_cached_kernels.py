@@ -12,6 +12,7 @@ import fcntl
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -44,6 +45,34 @@ class _LoadedLibrary(codegen.JITCodeLibrary):  # type: ignore[misc]  # numba has
         return self._shared_module
 
 
+class Bitcode(codegen.JITCodeLibrary):  # type: ignore[misc]
+    """Bitcode of a kernel that only kernels call, without machine code of its own."""
+
+    codegen = SimpleNamespace(set_env=lambda *_: None)  # no code that has any
+
+    @classmethod
+    def loaded(cls, generator: Any, stored: Any) -> Bitcode:
+        """Return what `serialize_using_object_code` stored."""
+        name, _, bitcode = stored
+        self = cls(generator, name)
+        self._shared_module = llvm.parse_bitcode(bitcode)
+        self._finalized = True
+        return self
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return that there is no function that Python can call."""
+        return 0
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """Return what the cache stores."""
+        return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+
 class _Format(caching.CompileResultCacheImpl):  # type: ignore[misc]
     """Numba's format of a cached kernel, whose library parses no bitcode while it is loaded."""
 
@@ -54,7 +83,11 @@ class _Format(caching.CompileResultCacheImpl):  # type: ignore[misc]
         )
         for initialize in inits:
             initialize()
-        library = _LoadedLibrary(context.codegen(), stored, about.llvm_cpython_wrapper_name)
+        if stored[1] == "bitcode":
+            library: Any = Bitcode.loaded(context.codegen(), stored)
+        else:
+            entry = about.llvm_cpython_wrapper_name
+            library = _LoadedLibrary(context.codegen(), stored, entry)
         compiled = CompileResult(
             target_context=context,
             typing_context=context.typing_context,
@@ -95,6 +128,8 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc]
     def save_overload(self, signature: Any, compiled: Any) -> None:
         """Add a compiled kernel to the cache."""
         self._impl.locator.ensure_cache_path()
+        for environment in compiled._find_referenced_environments():  # noqa: SLF001 - as rebuild
+            compiled.library.codegen.set_env(environment.env_name, environment)
         with _locked(self.cache_path):
             super().save_overload(signature, compiled)
 

@@ -19,7 +19,7 @@ FILES = sorted(ROOT.rglob("*.py"))
 
 LAYERS = (
     {"__init__", "errors", "extras", "arguments", "arrays", "lazy", "status"},
-    {"_cached_kernels"},
+    {"_cached_kernels", "_inner_kernels"},
     {"types", "_kernels"},
     {"solvability"},
     {"lie"},

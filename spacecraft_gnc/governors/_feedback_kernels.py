@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inverse_inertia
 from spacecraft_gnc.lie._mat3_kernels import (
@@ -39,27 +40,27 @@ def momentum_gain(law):
     return (law[9], law[10], law[11], law[12], law[13], law[14], law[15], law[16], law[17])
 
 
-@kernel
+@inner_kernel
 def _demand(law, E, Pi):
     """-(K Pi + e), hat(e) = A E - E^T A."""
     e = scale(2.0, vee_antisymmetric(mat_mat(attitude_gain(law), E)))
     return scale(-1.0, add(mat_vec(momentum_gain(law), Pi), e))
 
 
-@kernel
+@inner_kernel
 def _limited(law, T):
     """T, scaled down to the limit."""
     size = math.sqrt(dot(T, T))
     return scale(law[18] / size, T) if size > law[18] else T
 
 
-@kernel
+@inner_kernel
 def feedback_torque(law, E, Pi):
     """(9), (10) at rest: T = -(K Pi + e), scaled down to the limit."""
     return _limited(law, _demand(law, E, Pi))
 
 
-@kernel
+@inner_kernel
 def tracking_torque(law, body, h, E, Pi, omega, tau):
     """T = u_ref - K (Pi - Pi_ref) - e of a moving reference, scaled down to the limit."""
     Pi_ref, u_ref = start_of_motion(body, h, mat_t_vec(E, omega), mat_t_vec(E, tau))

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import given, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import advance, solvable
 from spacecraft_gnc.governors._zone_kernels import zone_margin
@@ -38,7 +39,7 @@ def violates(worst, room, limit, reserve, which):
     return violated
 
 
-@kernel
+@inner_kernel
 def _settled(rows, metric, level):
     """Whether the state lies in the settled set x^T P x <= level, x = (eta, Pi)."""
     E = mat_t_mat(load9_rows(rows, 4), load9_rows(rows, 0))

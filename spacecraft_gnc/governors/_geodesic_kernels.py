@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import polished, rotation_of
 from spacecraft_gnc.lie._mat3_kernels import (
@@ -17,7 +18,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
 )
 
 
-@kernel
+@inner_kernel
 def exponential(x):
     """Rotation by |x| about x, by the half angle as in `lie.exp`."""
     half = 0.5 * math.sqrt(dot(x, x))
@@ -25,7 +26,7 @@ def exponential(x):
     return rotation_of(math.cos(half), scale(0.5 * sinc, x))
 
 
-@kernel
+@inner_kernel
 def logarithm(E):
     """Rotation vector of E, for angles well below half a turn."""
     v = vee_antisymmetric(E)

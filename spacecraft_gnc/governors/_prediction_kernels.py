@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import held, solvable
 from spacecraft_gnc.governors._feedback_kernels import feedback_torque, lyapunov
@@ -20,7 +21,7 @@ TORQUE, MOMENTUM, SOLVABLE, INVARIANT, CONVERGENCE, FIRST_ZONE = range(6)
 NOTHING = -1
 
 
-@kernel
+@inner_kernel
 def quadratic_form(tail, eta, Pi):
     """Value x . P x at x = (eta, Pi)."""
     x = (eta[0], eta[1], eta[2], Pi[0], Pi[1], Pi[2])
@@ -33,7 +34,7 @@ def quadratic_form(tail, eta, Pi):
     return value
 
 
-@kernel
+@inner_kernel
 def in_tail(tail, c, E, Pi):
     """Whether (E, Pi) lies in the tail set of level c; cheap where E alone is too far."""
     largest = tail[6, 1] * math.sqrt(c)  # at most 1 rad
@@ -42,7 +43,7 @@ def in_tail(tail, c, E, Pi):
     return quadratic_form(tail, logarithm(E), Pi) <= c
 
 
-@kernel
+@inner_kernel
 def tail_level(tail, zones, V, reserve):
     """Level of the tail set around reference V: no zone is nearer than the ellipsoid is wide."""
     c = tail[6, 0]

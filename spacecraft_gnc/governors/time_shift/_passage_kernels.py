@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel, unlocked_kernel
 from spacecraft_gnc.governors.time_shift._prediction_kernels import (
     keeps_apart,
@@ -50,7 +51,7 @@ def joint_transfers(able, positions, path, m, least, cosine, joint):
                         )
 
 
-@kernel
+@inner_kernel
 def is_kept(joint, places):
     """Whether a formation parked at these places (n,) keeps all constraints."""
     for j in range(places.shape[0]):
@@ -60,7 +61,7 @@ def is_kept(joint, places):
     return True
 
 
-@kernel
+@inner_kernel
 def mark_last(joint, places, at, common, reached):
     """Mark the classes reached with the last craft, given the places ``at`` of all others."""
     p, n = joint.shape[0], places.shape[0]
@@ -79,7 +80,7 @@ def mark_last(joint, places, at, common, reached):
         target[end + j] |= common[j]
 
 
-@kernel
+@inner_kernel
 def mark_reached(joint, able, places, reached):
     """Mark the classes (c,) that one transition leads to from places (n,) at one instant."""
     p, n = able.shape[0], places.shape[0]
@@ -134,7 +135,7 @@ def mark_clear(positions, drift, m, least, clear):
                     clear[s, f, g] = keeps_apart(positions[f, g], lost, least)
 
 
-@kernel
+@inner_kernel
 def mark_shifts(joint, able, clear, s, places, origins, reached):
     """Mark the shifts, as numbers of n digits, that one transition leads to at one instant.
 

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel, unlocked_kernel
 
 BLOCK = 16  # instants tested between two looks whether any failed
@@ -38,7 +39,7 @@ def largest(out):
     return worst, at
 
 
-@kernel
+@inner_kernel
 def quadratic(S, e):
     """Quadratic form e . S e for S (6, 6)."""
     total = 0.0
@@ -68,7 +69,7 @@ def predict_craft(k, x, theta, m, natural, path, pushes, rows, S, delta_v, at, c
                 positions[a, c, q] += path[c, s * m + q]
 
 
-@kernel
+@inner_kernel
 def keeps_apart(u, w, least):
     """Whether two craft, positions (3, r), keep their distance; ``least`` is its square."""
     failed = 0
@@ -78,7 +79,7 @@ def keeps_apart(u, w, least):
     return failed == 0
 
 
-@kernel
+@inner_kernel
 def keeps_both(u, w, path, s, z, least, cosine):
     """Whether two craft keep distance and angle; s, z: first columns of ``path`` of each.
 
@@ -166,7 +167,7 @@ def pair_extremes(k, theta, m, natural, path, positions, nearest, near_at, cosin
                     ) = extremes(positions[i, a], positions[j, b], path, s, z)
 
 
-@kernel
+@inner_kernel
 def first_failure(u, w, path, s, z, least, cosine, is_drifting):
     """First instant at which a pair fails, the number of instants if it never does.
 

@@ -12,7 +12,8 @@ import math
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel, unlocked_kernel
+from spacecraft_gnc._inner_kernels import inner_kernel
+from spacecraft_gnc._kernels import unlocked_kernel
 from spacecraft_gnc.ocp.transfer._interior_kernels import (
     CONVERGED,
     NOT_FINITE,
@@ -29,7 +30,7 @@ _CLOSED = 1e-12
 _GOOD = 1e-9
 
 
-@kernel
+@inner_kernel
 def project(x, z, active, lo, hi, first, last):
     """Set components beyond their bounds, and active ones, on them; release those that pull.
 

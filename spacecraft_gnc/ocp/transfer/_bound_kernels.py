@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel, unlocked_kernel
 
 
-@kernel
+@inner_kernel
 def half_sine_squared(sine):
     """Square of the sine of half the angle, of the sine of the angle up to a quarter turn."""
     return 0.5 * sine * sine / (1.0 + math.sqrt(1.0 - sine * sine))
 
 
-@kernel
+@inner_kernel
 def size(p):
     """Euclidean norm."""
     return math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
 
 
-@kernel
+@inner_kernel
 def coupling(h, quadratic, spread, p, norm, sine, out):
     """Largest change of each component of the momentum over a step without torque, into ``out``."""
     error = half_sine_squared(sine) * (2.0 + spread) * norm

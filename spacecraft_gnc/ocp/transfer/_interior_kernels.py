@@ -11,7 +11,8 @@ import math
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel, unlocked_kernel
+from spacecraft_gnc._inner_kernels import inner_kernel
+from spacecraft_gnc._kernels import unlocked_kernel
 from spacecraft_gnc.ocp.transfer._riccati_kernels import newton_step
 from spacecraft_gnc.ocp.transfer._stage_kernels import first_order, linearize, move
 
@@ -25,7 +26,7 @@ _FIRST_SHIFT, _MOST_SHIFT = 1e-4, 1e8
 _INSIDE = 0.02  # of the room between two bounds, that a start keeps from each
 
 
-@kernel
+@inner_kernel
 def push_inside(x, lo, hi, unit, first, last):
     """Move rows first to last - 1 of ``x`` strictly within the bounds."""
     for k in range(first, last):
@@ -34,7 +35,7 @@ def push_inside(x, lo, hi, unit, first, last):
             x[k, i] = min(max(x[k, i], lo[i] + room), hi[i] - room)
 
 
-@kernel
+@inner_kernel
 def barrier_terms(x, lo, hi, zl, zh, mu, base, first, last, D, g):
     """Diagonal D and gradient g of base |x|^2 / 2 and of the barrier."""
     for k in range(first, last):
@@ -50,7 +51,7 @@ def barrier_terms(x, lo, hi, zl, zh, mu, base, first, last, D, g):
                 g[k, i] += mu / s
 
 
-@kernel
+@inner_kernel
 def barrier(x, lo, hi, first, last):
     """Sum of the logarithms of the distances to the bounds."""
     total = 0.0
@@ -63,7 +64,7 @@ def barrier(x, lo, hi, first, last):
     return total
 
 
-@kernel
+@inner_kernel
 def slackness(x, lo, hi, zl, zh, mu, first, last):
     """Largest |product of multiplier and distance - mu|."""
     worst = 0.0
@@ -76,7 +77,7 @@ def slackness(x, lo, hi, zl, zh, mu, first, last):
     return worst
 
 
-@kernel
+@inner_kernel
 def longest_steps(x, dx, lo, hi, zl, zh, mu, tau, first, last):
     """Longest steps of ``x`` and of its multipliers that stay inside, at most 1."""
     most, most_z = 1.0, 1.0
@@ -100,7 +101,7 @@ def longest_steps(x, dx, lo, hi, zl, zh, mu, tau, first, last):
     return most, most_z
 
 
-@kernel
+@inner_kernel
 def step_multipliers(x, dx, lo, hi, zl, zh, mu, alpha, first, last):
     """Step of the multipliers, before that of ``x``."""
     for k in range(first, last):
@@ -114,7 +115,7 @@ def step_multipliers(x, dx, lo, hi, zl, zh, mu, alpha, first, last):
                 zh[k, i] = z + alpha * (mu / s - z + z / s * d)
 
 
-@kernel
+@inner_kernel
 def keep_near(x, lo, hi, zl, zh, mu, first, last):
     """Keep the multipliers within a wide band about mu over the distance."""
     for k in range(first, last):
@@ -127,7 +128,7 @@ def keep_near(x, lo, hi, zl, zh, mu, first, last):
                 zh[k, i] = min(max(zh[k, i], c / _KAPPA), c * _KAPPA)
 
 
-@kernel
+@inner_kernel
 def half_square(u):
     """Half the sum of the squares."""
     total = 0.0
@@ -136,7 +137,7 @@ def half_square(u):
     return 0.5 * total
 
 
-@kernel
+@inner_kernel
 def sum_abs(a):
     """Sum and largest of the sizes of an array (n, 3)."""
     total, worst = 0.0, 0.0
@@ -148,7 +149,7 @@ def sum_abs(a):
     return total, worst
 
 
-@kernel
+@inner_kernel
 def regular_step(h, stage, D, g, Dp, gp, gap, units, end, shift, step, told):
     """Newton step with as much shift of the curvature as makes it convex; returns status, shift.
 

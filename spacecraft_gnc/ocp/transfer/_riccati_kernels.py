@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     EYE,
     add,
@@ -36,7 +36,7 @@ from spacecraft_gnc.ocp.transfer._stage_kernels import A_AT, B_AT, HPE, HPP, PHI
 KE, KP, YE, YP, FF = 0, 9, 18, 27, 36  # columns of ``gains`` (N, 39)
 
 
-@kernel
+@inner_kernel
 def is_positive(R):
     """Whether a symmetric 3 x 3 matrix is positive definite."""
     if not R[0] > 0.0:
@@ -48,14 +48,14 @@ def is_positive(R):
     return R[8] - R[2] * R[2] / R[0] - e * e / d1 > 1e-14 * abs(R[8])
 
 
-@kernel
+@inner_kernel
 def symmetric(A):
     """Symmetric part of A."""
     a, b, c = 0.5 * (A[1] + A[3]), 0.5 * (A[2] + A[6]), 0.5 * (A[5] + A[7])
     return (A[0], a, b, a, A[4], c, b, c, A[8])
 
 
-@kernel
+@inner_kernel
 def rows(d, A):
     """Product diag(d) A."""
     return (
@@ -65,7 +65,7 @@ def rows(d, A):
     )  # fmt: skip
 
 
-@kernel
+@inner_kernel
 def add_block(G, i, j, A):
     """Subtract A from a 3 x 3 block of G."""
     for r in range(3):
@@ -73,7 +73,7 @@ def add_block(G, i, j, A):
             G[i + r, j + c] -= A[3 * r + c]
 
 
-@kernel
+@inner_kernel
 def backward(h, stage, D, g, Dp, gp, gap, rho, gains, G, s):
     """Backward pass: gains, and x_N = G y + s; whether every block of the torque is positive."""
     N = D.shape[0]
@@ -147,7 +147,7 @@ def backward(h, stage, D, g, Dp, gp, gap, rho, gains, G, s):
     return True
 
 
-@kernel
+@inner_kernel
 def close_end(G, s, b, y):
     """Solve G y = b - s by scaled elimination; tell whether there is an answer."""
     n = 6
@@ -184,7 +184,7 @@ def close_end(G, s, b, y):
     return True
 
 
-@kernel
+@inner_kernel
 def forward(h, stage, gains, gap, y, du, dPi):
     """Forward pass: du (N, 3) and dPi (N+1, 3)."""
     N = du.shape[0]
@@ -203,7 +203,7 @@ def forward(h, stage, gains, gap, y, du, dPi):
         store3(dPi, k + 1, p)
 
 
-@kernel
+@inner_kernel
 def newton_step(h, stage, D, g, Dp, gp, gap, rho, end, gains, G, s, y, du, dPi, lam):
     """Step du, dPi to eta_N = -end, dPi_N = 0, with the new multipliers ``lam``, and y of the end.
 

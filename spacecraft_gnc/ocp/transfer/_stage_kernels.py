@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_nonstandard_inertia,
@@ -50,7 +51,7 @@ from spacecraft_gnc.lie._mat3_kernels import (
 PHI, B_AT, A_AT, HPP, HPE = 0, 9, 18, 27, 36  # columns of ``stage`` (N+1, 45)
 
 
-@kernel
+@inner_kernel
 def rotation_vector(E):
     """Rotation vector of E, exact up to half a turn."""
     x, y, z = 0.5 * (E[7] - E[5]), 0.5 * (E[2] - E[6]), 0.5 * (E[3] - E[1])
@@ -124,7 +125,7 @@ def linearize(body, h, Pi, quaternions, lam, m, exact, stage):
         m = mat_vec(F, m)
 
 
-@kernel
+@inner_kernel
 def first_order(h, u, lam, m, zu, zp, stage, ru, rp):
     """Residuals of (3.13) into ``ru`` (N, 3) and of (4.11) into ``rp`` (N+1, 3), torque units.
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import polished
 from spacecraft_gnc.lie._mat3_kernels import (
@@ -37,13 +38,13 @@ RADIUS, AXIS, RATE, START, CHIEF_PORT = 1, 2, 5, 6, 15  # first entries in ``chi
 VELOCITY, ATTITUDE, ANGULAR, ROW = 3, 6, 15, 18  # first columns of a row of states; its length
 
 
-@kernel
+@inner_kernel
 def vector(a, i):
     """Read three entries of a 1-D array."""
     return (a[i], a[i + 1], a[i + 2])
 
 
-@kernel
+@inner_kernel
 def matrix(a, i):
     """Read nine entries of a 1-D array."""
     return (a[i], a[i + 1], a[i + 2], a[i + 3], a[i + 4], a[i + 5], a[i + 6], a[i + 7], a[i + 8])
@@ -56,13 +57,13 @@ def turn(q0, q, A):
     return mat_add(A, mat_add(mat_scale(2.0 * q0, B), mat_scale(2.0, hat_mat(q, B))))
 
 
-@kernel
+@inner_kernel
 def turn_about(axis, angle, A):
     """Product of the rotation by an angle about a unit vector and a matrix."""
     return turn(math.cos(0.5 * angle), scale(math.sin(0.5 * angle), axis), A)
 
 
-@kernel
+@inner_kernel
 def exp_times(u, A):
     """Product exp(hat(u)) A."""
     angle = math.sqrt(dot(u, u))
@@ -83,7 +84,7 @@ def chief_rate(chief, R_HC):
     return mat_t_vec(R_HC, (w * chief[AXIS], w * chief[AXIS + 1], w * chief[AXIS + 2] + chief[0]))
 
 
-@kernel
+@inner_kernel
 def relative_gravity(chief, e, r):
     """Attraction at r beyond the chief, which is in the direction e, less that at the chief."""
     n, a = chief[0], chief[RADIUS]
@@ -96,7 +97,7 @@ def relative_gravity(chief, e, r):
     return scale(-n * n * a, add(scale(1.0 + f, d), scale(f, e)))
 
 
-@kernel
+@inner_kernel
 def applied_force(F, thrusters, R_CD):
     """Force F, chief frame, without its components in lost directions of the deputy frame."""
     f = mat_t_vec(R_CD, F)
@@ -111,7 +112,7 @@ def applied_force(F, thrusters, R_CD):
     return sub(F, mat_vec(R_CD, (f[0] - x, f[1] - y, f[2] - z)))
 
 
-@kernel
+@inner_kernel
 def slopes(deputy, chief, t, s, r, R, H, F, M, thrusters):
     """Acceleration, angular velocity and rate of the angular momentum in N at time t + s."""
     ns = chief[0] * s
@@ -128,20 +129,20 @@ def slopes(deputy, chief, t, s, r, R, H, F, M, thrusters):
     return a, omega, moment
 
 
-@kernel
+@inner_kernel
 def dexp_inverse(u, omega):
     """Rate of u at which exp(hat(u)) turns at omega, to third order in u."""
     c = cross(u, omega)
     return add(omega, add(scale(-0.5, c), scale(1.0 / 12.0, cross(u, c))))
 
 
-@kernel
+@inner_kernel
 def mean_slope(k1, k2, k3, k4):
     """Weighted mean of the four slopes."""
     return scale(1.0 / 6.0, add(add(k1, k4), scale(2.0, add(k2, k3))))
 
 
-@kernel
+@inner_kernel
 def substep(deputy, chief, t, s, h, r, v, R, H, F, M, thrusters):
     """One step of Runge, Kutta and Munthe-Kaas, fourth order, in N."""
     d = 0.5 * h

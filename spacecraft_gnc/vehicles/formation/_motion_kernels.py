@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
@@ -58,7 +59,7 @@ def attraction(earth, r):
     return add(scale(-earth[0] / (r2 * math.sqrt(r2)), r), oblateness(earth, r))
 
 
-@kernel
+@inner_kernel
 def relative_attraction(earth, R, d):
     """Acceleration at R + d less that at R."""
     # With q = |R + d|^2 / |R|^2 - 1: -mu/|R|^3 ((R + d)(1 + q)^-1.5 - R), without cancellation.
@@ -99,7 +100,7 @@ def propagate(earth, row, h, n):
         drift(row, 0.5 * h * before)
 
 
-@kernel
+@inner_kernel
 def hill_frame(earth, R, V):
     """Axes of Hill's frame as rows of C_HN, and its angular velocity, in it."""
     momentum = cross(R, V)

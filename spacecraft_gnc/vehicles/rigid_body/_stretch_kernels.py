@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import given, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import advance
 from spacecraft_gnc.lie._mat3_kernels import dot, load3, load9_rows, store3, store9, store9_rows
@@ -13,7 +14,7 @@ from spacecraft_gnc.ocp._solve_kernels import parts_of, solve, stand_still
 ROUNDING = 1.0 + 1e-9  # more than separates the norms here from those of NumPy
 
 
-@kernel
+@inner_kernel
 def _is_finite(rows):
     """Whether torques (N, 3) are finite."""
     total = 0.0
@@ -23,7 +24,7 @@ def _is_finite(rows):
     return total == 0.0
 
 
-@kernel
+@inner_kernel
 def _may_stand(error, travel, Pi, u, rest):
     """Whether `StandstillMonitor.may_stand` may hold, which decides with the last digit.
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     LAST_CORRECTION_SQUARED,
@@ -108,7 +109,7 @@ def coasted(t, nu, a, k, d):
     return nu * math.exp(-k * t) - b * math.expm1(-k * t) / k
 
 
-@kernel
+@inner_kernel
 def rubbed(body, friction, states, row, accelerations, j, i, t):
     """Speed of wheel i of a row after time t with friction, within the limits."""
     nu = states[row, SPEED + i]
@@ -117,7 +118,7 @@ def rubbed(body, friction, states, row, accelerations, j, i, t):
     return min(max(coasted(t, nu, a, friction[0, i], friction[1, i]), -top), top)
 
 
-@kernel
+@inner_kernel
 def rubbed_momentum(body, wheels, friction, states, row, accelerations, j, t):
     """A Js nu of a row after time t with friction, within the limits."""
     g = (0.0, 0.0, 0.0)

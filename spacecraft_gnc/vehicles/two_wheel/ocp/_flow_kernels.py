@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 
 SIMPLIFIED, EULER_321, SO3 = 0, 1, 2
@@ -24,7 +25,7 @@ SERIES = tuple((-1.0) ** k * 0.5 / (4.0**k * math.factorial(2 * k + 1)) for k in
 _LEAST_COSINE = 1e-12  # of the squared cosine of pitch: keeps the chart finite at its singularity
 
 
-@kernel
+@inner_kernel
 def half_sine(t):
     """s(t), s'(t), s''(t) with s(t) = sin(sqrt(t) / 2) / sqrt(t)."""
     s, d, dd = 0.0, 0.0, 0.0
@@ -58,7 +59,7 @@ def turn(T, w, Omega, d):
     return s, ds, dds
 
 
-@kernel
+@inner_kernel
 def quarter_cosine(t):
     """(1 - cos(sqrt(t) / 2)) / (t / 2) = 1/4 (sin(x) / x)^2 with x = sqrt(t) / 4."""
     s, _, _ = half_sine(0.25 * t)  # sin(sqrt(t) / 4) / (sqrt(t) / 2)
@@ -84,7 +85,7 @@ def advance(model, T, C, drift, k, nu, a, w, Omega, d):
     a[k + 1, 3] = q0 * d[3] + d[0] * z + x * d[2] - y * d[1]
 
 
-@kernel
+@inner_kernel
 def turn_derivatives(T, C, w, V):
     """Derivatives (3, 4) of the rotation vector by nu_k and nu_k+1, two columns each."""
     h = T * T / 12.0

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._inner_kernels import inner_kernel
 
 SOLVED, NOT_CONVEX, NOT_SOLVED = 0, 1, 2
 MOST_ITERATIONS = 50
@@ -23,7 +23,7 @@ _PULL = 1e-12  # of the shift's gradient, over the same scale
 _OPEN = 1e-10  # of the conditions that a full step closes, over what they were
 
 
-@kernel
+@inner_kernel
 def factor(A, B, M, P, Y, K, Ky, R, rho, N, nx, mt, C, extra, G):
     """Backward pass of the matrices: gains K, Ky, P, Y of every stage, and G = d(C x_N)/dy.
 
@@ -103,7 +103,7 @@ def factor(A, B, M, P, Y, K, Ky, R, rho, N, nx, mt, C, extra, G):
     return True
 
 
-@kernel
+@inner_kernel
 def backward(A, B, m, extra, K, Ky, R, p, kff, N, nx, mt, s):
     """Backward pass of the vectors: feed-forward kff, and s = C x_N for y = 0.
 
@@ -131,7 +131,7 @@ def backward(A, B, m, extra, K, Ky, R, p, kff, N, nx, mt, s):
             p[k, nx - 1] += extra[k - 1, 1]
 
 
-@kernel
+@inner_kernel
 def forward(A, B, K, Ky, kff, y, x, u, N, nx, mt):
     """Forward pass: the minimizer for given multipliers."""
     x[0, :] = 0.0
@@ -150,7 +150,7 @@ def forward(A, B, K, Ky, kff, y, x, u, N, nx, mt):
             x[k + 1, i] = v
 
 
-@kernel
+@inner_kernel
 def solve_small(S, r, n):
     """Solve S x = r in place (pivoted elimination); tell whether S is regular."""
     for c in range(n):
@@ -177,7 +177,7 @@ def solve_small(S, r, n):
     return True
 
 
-@kernel
+@inner_kernel
 def terminal_response(G, s, rho, mt, Ge, se):
     """Response of C x_N to y without the convexifying term: (I + G rho)^-1 (G, s)."""
     S, column = np.empty((mt, mt)), np.empty(mt)
@@ -196,13 +196,13 @@ def terminal_response(G, s, rho, mt, Ge, se):
     return True
 
 
-@kernel
+@inner_kernel
 def is_pair(k, i, N, n_soft):
     """Tell whether place (k, i) holds a pair of bounds; row N: the soft rows' misses."""
     return i < n_soft if k == N else k < N - 1 or i > 1
 
 
-@kernel
+@inner_kernel
 def start_pairs(m, low, high, sigma, n_soft, S, Z, N, nx):
     """Slacks S, multipliers Z (N+1, 4, 2) to begin with; returns the gradient's scale, pairs."""
     scale, pairs = 1.0, 0
@@ -225,7 +225,7 @@ def start_pairs(m, low, high, sigma, n_soft, S, Z, N, nx):
     return scale, pairs
 
 
-@kernel
+@inner_kernel
 def bound_terms(low, high, S, Z, dS, dZ, tau, corrector, shift, u, E, g, N):
     """Diagonals E and gradients g (N, 4) that the bounds add for the target ``tau``.
 
@@ -247,7 +247,7 @@ def bound_terms(low, high, S, Z, dS, dZ, tau, corrector, shift, u, E, g, N):
                     g[k, i] += t / s - ratio * (high[k, i] - s)
 
 
-@kernel
+@inner_kernel
 def multiplier_step(Ge, se, b, y, S, Z, dS, dZ, tau, corrector, n_soft, N, mt, T, dy):
     """Step dy of the multipliers of C x_N = b; tell whether there is one."""
     for r in range(mt):
@@ -263,7 +263,7 @@ def multiplier_step(Ge, se, b, y, S, Z, dS, dZ, tau, corrector, n_soft, N, mt, T
     return solve_small(T, dy, mt)
 
 
-@kernel
+@inner_kernel
 def pair_steps(x, u, dy, low, high, S, Z, dS, dZ, tau, corrector, n_soft, N, nx):
     """Steps dS, dZ toward a new (x, u) and by ``dy``; returns the longest that stays inside."""
     longest = 1.0 / _TO_BOUNDARY
@@ -289,7 +289,7 @@ def pair_steps(x, u, dy, low, high, S, Z, dS, dZ, tau, corrector, n_soft, N, nx)
     return longest
 
 
-@kernel
+@inner_kernel
 def gap_after(alpha, S, Z, dS, dZ, n_soft, N):
     """Sum of the products of all pairs after a step of length ``alpha``."""
     total = 0.0
@@ -302,7 +302,7 @@ def gap_after(alpha, S, Z, dS, dZ, n_soft, N):
     return total
 
 
-@kernel
+@inner_kernel
 def interior_point(A, B, M, m, C, b, sigma, rho, n_soft, low, high, work, x, u, y, z):
     """Solve the program; returns SOLVED, NOT_CONVEX or NOT_SOLVED, and the iterations.
 

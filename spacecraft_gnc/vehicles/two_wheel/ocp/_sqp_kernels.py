@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.vehicles.two_wheel.ocp._flow_kernels import (
     add_chart_curvature,
@@ -33,7 +34,7 @@ _CLOSED = 1e-3  # of the tolerance: a missed end changes the cost to first order
 _CONVEXIFYING = 1000.0  # of the end's condition, times the largest weight
 
 
-@kernel
+@inner_kernel
 def roll_out(model, T, C, drift, nu, a, scratch):
     """Attitudes of all nodes from that of the first."""
     w, Omega, d, _ = scratch
@@ -41,7 +42,7 @@ def roll_out(model, T, C, drift, nu, a, scratch):
         advance(model, T, C, drift, k, nu, a, w, Omega, d)
 
 
-@kernel
+@inner_kernel
 def objective(model, T, nu, a, cost, e, E):
     """Cost of a plan; the coordinates of its last attitude stay in ``e``, their slope in ``E``."""
     N = nu.shape[0] - 1
@@ -145,7 +146,7 @@ def stages(model, T, C, drift, nu, a, cost, y, exact, A, B, M, m, Ct, b, scratch
             lam[j] = later[j]
 
 
-@kernel
+@inner_kernel
 def first_order(A, B, m, Ct, y, z, g, lam, later):
     """Gradient g (N, 2) of the Lagrangian by the accelerations; returns its largest size, scale."""
     N, nx, mt = A.shape[0], A.shape[1], Ct.shape[0]
@@ -175,7 +176,7 @@ def first_order(A, B, m, Ct, y, z, g, lam, later):
     return worst, scale
 
 
-@kernel
+@inner_kernel
 def set_bounds(nu, T, most_speed, most_acceleration, low, high):
     """Bounds of the changes of nu_k+1 (columns 0, 1) and of u_k (columns 2, 3)."""
     for k in range(nu.shape[0] - 1):
@@ -187,7 +188,7 @@ def set_bounds(nu, T, most_speed, most_acceleration, low, high):
             high[k, 2 + i] = most_acceleration - u
 
 
-@kernel
+@inner_kernel
 def complementarity(low, high, z):
     """Largest product of a bound's multiplier and its distance."""
     worst = 0.0
@@ -204,7 +205,7 @@ def missed(e):
     return abs(e[0]) + abs(e[1]) + abs(e[2])
 
 
-@kernel
+@inner_kernel
 def slope_along(m, x, u, N, nx):
     """Derivative of the cost along a step."""
     v = 0.0
@@ -218,7 +219,7 @@ def slope_along(m, x, u, N, nx):
     return v
 
 
-@kernel
+@inner_kernel
 def linear_miss(Ct, b, x, N, nx):
     """l1 norm of the first three conditions after a linearized step."""
     total = 0.0
@@ -230,7 +231,7 @@ def linear_miss(Ct, b, x, N, nx):
     return total
 
 
-@kernel
+@inner_kernel
 def verdict(status, y, sigma, residual, miss, hard, tolerance):
     """Status of a run that ends early: infeasible where the price of the missed end is reached."""
     if residual < tolerance and miss < tolerance:
