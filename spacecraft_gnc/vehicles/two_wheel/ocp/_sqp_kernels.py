@@ -263,6 +263,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
     value = objective(model, T, nu, a, cost, e, E)
     miss = missed(e) if hard else 0.0
     known, rises, residual = False, 0, np.inf
+    exact, rough = bool(1), bool(0)  # with True and False, `stages` would be compiled three times
     for iteration in range(most + 1):
         told[0] = iteration
         fresh = iteration == 0 or not chord
@@ -281,7 +282,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
             if miss < _CLOSED * tolerance:
                 if not fresh:  # for the certificate
                     stages(
-                        model, T, C, drift, nu, a, cost, y, True, A, B, M, m, Ct, b, scratch, local
+                        model, T, C, drift, nu, a, cost, y, exact, A, B, M, m, Ct, b, scratch, local
                     )
                 return CONVERGED
             if miss > tolerance:
@@ -296,7 +297,7 @@ def sqp(model, T, C, drift, nu, a, cost, limits, sigma, tolerance, most, chord, 
         )
         told[4] += count
         if status == NOT_CONVEX:
-            stages(model, T, C, drift, nu, a, cost, y, False, A, B, M, m, Ct, b, scratch, local)
+            stages(model, T, C, drift, nu, a, cost, y, rough, A, B, M, m, Ct, b, scratch, local)
             status, count = interior_point(
                 A, B, M, m, Ct, b, sigma, rho, n_soft, low, high, work, x, u, yq, zq
             )
