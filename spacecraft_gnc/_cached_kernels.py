@@ -13,12 +13,16 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Final
 
 import llvmlite.binding as llvm
+import numba
 from numba.core import caching, codegen, config
 from numba.core.compiler import CompileResult
 from numba.core.runtime import _nrt_python as runtime
+
+IS_TESTED: Final = numba.__version__.startswith("0.68.")
+"""Whether numba is of a version whose private parts are those that these modules use."""
 
 
 class _LoadedLibrary(codegen.JITCodeLibrary):  # type: ignore[misc]  # numba has no types
@@ -132,6 +136,14 @@ class KernelCache(caching.FunctionCache):  # type: ignore[misc]
             compiled.library.codegen.set_env(environment.env_name, environment)
         with _locked(self.cache_path):
             super().save_overload(signature, compiled)
+
+
+def keep(kernel: Any) -> None:
+    """Have a kernel kept on disk: by `KernelCache`, or in other versions by numba's own cache."""
+    if IS_TESTED:
+        kernel._cache = KernelCache(kernel.py_func)  # noqa: SLF001 - as enable_caching does
+    else:
+        kernel.enable_caching()
 
 
 def _name_runtime_functions() -> None:

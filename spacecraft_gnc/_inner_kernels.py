@@ -13,7 +13,8 @@ from numba.core import config
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
-from spacecraft_gnc._cached_kernels import Bitcode, KernelCache
+from spacecraft_gnc._cached_kernels import IS_TESTED, Bitcode, KernelCache
+from spacecraft_gnc._kernels import kernel
 
 
 class _ToBitcode(Compiler):  # type: ignore[misc]  # numba has no types
@@ -45,8 +46,8 @@ class InnerKernel(CPUDispatcher):  # type: ignore[misc]
 
 def inner_kernel(function: Callable[..., Any]) -> Any:
     """Compile a kernel that only kernels call."""
-    if config.DISABLE_JIT:
-        return function
+    if config.DISABLE_JIT or not IS_TESTED:
+        return kernel(function)
     options = {"nopython": True, "boundscheck": None, "error_model": "numpy"}
     options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}
     compiled = InnerKernel(function, targetoptions=options, pipeline_class=_ToBitcode)

@@ -21,7 +21,7 @@ from numba.core import cgutils, event
 from numba.extending import intrinsic, overload
 
 from spacecraft_gnc import SILENT_COMPILER
-from spacecraft_gnc._cached_kernels import KernelCache
+from spacecraft_gnc._cached_kernels import keep
 
 _PACKAGE: Final = __name__.partition(".")[0]
 _PATIENCE: Final = 1.0  # [s] of compiling; a single kernel for a new type takes less
@@ -36,7 +36,7 @@ def _cached(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Any:
         compiled = njit(error_model="numpy", no_cfunc_wrapper=True, **options)(function)
         if compiled is not function:  # else it runs interpreted
-            compiled._cache = KernelCache(function)  # noqa: SLF001 - as numba's enable_caching does
+            keep(compiled)
         return compiled
 
     return decorate
