@@ -190,7 +190,7 @@ class Flight:
     def _key(self) -> str:
         """Return the key of the flight, by which what its nodes tell is known as theirs."""
         try:
-            return self.node("plant").environ().get(KEY, "")
+            return self.node("plant").environ().get(KEY, "").removeprefix(OFF)
         except psutil.Error:
             return ""
 
