@@ -19,8 +19,9 @@ FILES = sorted(ROOT.rglob("*.py"))
 
 LAYERS = (
     {"__init__", "errors", "extras", "arguments", "arrays", "lazy", "status"},
-    {"_cached_kernels", "_inner_kernels"},
+    {"_cached_kernels"},
     {"types", "_kernels"},
+    {"_inner_kernels"},
     {"solvability"},
     {"lie"},
     {"dynamics"},
