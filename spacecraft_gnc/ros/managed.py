@@ -33,7 +33,8 @@ class Managed:
     Before each transition the node is asked what state it is in, and then for the transition that
     is missing: somebody else may have answered the request before, such as a node of the same name
     that a killed launcher left behind on the domain, or somebody else may have asked first. While
-    several answer to the name, nothing is concluded from what they say.
+    several answer to the name, nothing is concluded from what they say, for some seconds: by then
+    such a node has ended, and a stranger must not hold up the start.
 
     A reply is lost if it leaves before the node has discovered us: a service has no late joiners.
     So a node that does not answer for a while is asked what state it is in, too.
@@ -53,7 +54,7 @@ class Managed:
         self._get = node.create_client(GetState, f"{name}/{_GET}")
         self._answer: Any = None
         self._look: Any = None
-        self._looks = 0
+        self._looks = self._looks_at_several = 0
         self._patience_ends = 0.0
         self.stage = Stage.STARTING
 
@@ -89,7 +90,8 @@ class Managed:
     def _read_state(self, label: str) -> None:
         self._look = None
         is_asked = self._answer is not None and self._looks < _LOOKS_BEFORE_ASKING_AGAIN
-        if self._node.count_services(self._service) > 1:
+        if self._are_several():
+            self._looks_at_several += 1
             self._be_patient()
         elif label in _LABELS_BEYOND[self.stage]:
             self._arrive(success=True)
@@ -98,6 +100,11 @@ class Managed:
             self._be_patient()
         else:  # also if a request was lost, or what was configured is so no more
             self._ask(_STAGE_FROM[label])
+
+    def _are_several(self) -> bool:
+        """Tell whether there is a reason to wait until one is left."""
+        may_wait = self._looks_at_several < _LOOKS_AT_SEVERAL
+        return may_wait and self._node.count_services(self._service) > 1
 
     def _ask(self, stage: Stage) -> None:
         request = ChangeState.Request()
@@ -117,6 +124,7 @@ class Managed:
 
 _PATIENCE = 1.0  # [s] wall time without an answer
 _LOOKS_BEFORE_ASKING_AGAIN = 5
+_LOOKS_AT_SEVERAL = 5
 _TRANSITION = {
     Stage.CONFIGURING: Transition.TRANSITION_CONFIGURE,
     Stage.ACTIVATING: Transition.TRANSITION_ACTIVATE,

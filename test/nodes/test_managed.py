@@ -10,6 +10,7 @@ from lifecycle_msgs.srv import ChangeState, GetState
 from rclpy.node import Node
 
 from spacecraft_gnc.nodes.reference_governor import GovernorNode
+from spacecraft_gnc.ros import managed as managed_module
 from spacecraft_gnc.ros.managed import Managed, Stage
 
 CONFIGURE, ACTIVATE = 1, 3
@@ -113,3 +114,13 @@ def test_while_two_answer_to_a_name_nothing_is_asked(ros: Any, managed: Managed)
     ros.executor.remove_node(other)
     brought(ros, managed)
     assert fake.asked == [(CONFIGURE, "unconfigured"), (ACTIVATE, "inactive")]
+
+
+def test_a_stranger_who_answers_to_the_name_does_not_hold_up_the_start(
+    ros: Any, managed: Managed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(managed_module, "_PATIENCE", 0.01)
+    for name in ("one", "other"):
+        ros.add(Fake(name=name))
+    ros.spin_until(lambda: managed._node.count_services("/fake/change_state") == 2)
+    brought(ros, managed)
