@@ -31,10 +31,9 @@ from spacecraft_gnc.ocp._solve_kernels import (
     is_momentum,
     is_rotation,
     parts_of,
-    repeat_last,
-    summarize,
+    sum_up,
 )
-from spacecraft_gnc.ocp._stage_kernels import control, horizon_cost, squared_control
+from spacecraft_gnc.ocp._stage_kernels import control, squared_control
 from spacecraft_gnc.ocp._sweep_kernels import evaluate, substitute
 from spacecraft_gnc.ocp._track_kernels import set_track
 
@@ -160,7 +159,7 @@ def correct(inputs, moving, allowed, plan, arena, kept):
     R, Pi, u, lam, margins, numbers, target = parts_of(plan, arena)
     N = u.shape[0]
     problem, W, work, _ = carve(arena, N, margins.shape[0])
-    body, data, zones, track = problem
+    body, data, _, track = problem
     guess, trial, resid, step, fac = work
     if not is_rotation(R_0) or not is_momentum(Pi_0):
         return False, math.nan
@@ -187,11 +186,9 @@ def correct(inputs, moving, allowed, plan, arena, kept):
         store3(inputs, LAST + i, load3(inputs, i))
     if moving:
         store9_rows(inputs, LAST_REFERENCE, R_ref)
-    repeat_last(lam)
     _fill_torques(data, track, guess, u, W)  # and the controls in W, which the cost needs
     store9_rows(target, 0, R_ref)
     numbers[0], numbers[1], numbers[2] = CONVERGED, 0, norm
-    numbers[3] = horizon_cost(data, zones, track, R, Pi, W)
-    numbers[5], numbers[6], numbers[7] = summarize(zones, R_ref, R, W, margins)
+    sum_up(problem, R_ref, horizon, lam, margins, numbers)
     _cut(data, u, W)
     return True, bound

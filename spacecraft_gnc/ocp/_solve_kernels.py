@@ -2,7 +2,7 @@
 
 ``arena`` is problem, settings and work space of one solver, a flat array by `make_arena`; ``kept``
 (4,) tells what of it an earlier solve left for the chord: two entries for each formulation.
-``plan`` takes what a solve finds, flat: `ocp.plan` says where.
+``plan`` takes what a solve finds, flat: `_plan_kernels` says where.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ ROTATION_ERROR_SQUARED = 1e-12  # square of types.ROTATION_TOLERANCE
 _VECTORS = 12  # columns of guess, trial, resid, step
 _SINGLE = 108  # numbers of the Jacobian (6, 6) and its carrier (6, 12) of single shooting
 FORWARD_LOSS = 100.0  # of the tolerance, between costates run forward and backward
-# From the end of the arena: numbers of steps and zones, `shooting.Settings`, and the rate and the
-# torque with which the reference moves.
+# Of the last numbers of the arena: how many steps and zones, what `ShootingSolver` sets, and the
+# rate and the torque with which the reference moves.
 N_AT, ZONES_AT, SETTINGS_AT, MOTION_AT, TAIL = 0, 1, 2, 8, 14
 
 
@@ -218,7 +218,7 @@ def stand_still(arena):
 
 
 @inlined_kernel
-def _summed_up(problem, R_ref, horizon, lam, margins, numbers):
+def sum_up(problem, R_ref, horizon, lam, margins, numbers):
     """Fill what is told of a plan: cost, largest |u|^2, angles and zone margins."""
     _, data, zones, track = problem
     R, Pi, _, _, W = horizon
@@ -252,7 +252,7 @@ def solve(attitude, momentum, target, guess, plan, arena, kept):
     problem, W, work, rest = carve(arena, N, n_zones)
     if not set_track(problem[0], problem[1], R_ref, omega, tau, problem[3]):
         return BAD_REFERENCE
-    R, Pi, u, lam, margins, numbers, reference = parts_of(plan, arena)
+    R, Pi, u, lam, margins, numbers, reference = cut(plan, N, n_zones)
     store9_rows(reference, 0, R_ref)
     store9(R, 0, R_0)
     store3(Pi, 0, Pi_0)
@@ -276,7 +276,7 @@ def solve(attitude, momentum, target, guess, plan, arena, kept):
         kept[0], kept[2] = 0, 0
     numbers[0], numbers[1], numbers[2], numbers[4] = status, steps, norm, pivot
     if math.isfinite(norm):
-        _summed_up(problem, R_ref, horizon, lam, margins, numbers)
+        sum_up(problem, R_ref, horizon, lam, margins, numbers)
         return status
     leave_no_plan(R, Pi, u, lam, margins)
     numbers[3] = numbers[4] = numbers[5] = numbers[6] = numbers[7] = math.nan

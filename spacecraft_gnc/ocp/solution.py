@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, NoReturn
 import numpy as np
 from typing_extensions import Self
 
-from spacecraft_gnc.ocp._plan_kernels import offsets
+from spacecraft_gnc.ocp._plan_kernels import NUMBERS, offsets
 from spacecraft_gnc.ocp.reference import RESTING
 from spacecraft_gnc.status import Status
 from spacecraft_gnc.types import Array, Reference
@@ -40,7 +40,15 @@ class PlanLayout:
     def __init__(self, ocp: AttitudeOcp, formulation: str) -> None:
         n, ends = ocp.horizon, offsets(ocp.horizon, len(ocp.zones))
         self.ocp, self.formulation, self.size = ocp, formulation, ends[-1]
-        shapes = (n + 1, 3, 3), (n + 1, 3), (n, 3), (n + 1, 6), (len(ocp.zones),), (8,), (3, 3)
+        shapes = (
+            (n + 1, 3, 3),
+            (n + 1, 3),
+            (n, 3),
+            (n + 1, 6),
+            (len(ocp.zones),),
+            (NUMBERS,),
+            (3, 3),
+        )
         self._places = [
             (slice(*place), shape)
             for place, shape in zip(itertools.pairwise(ends), shapes, strict=True)
