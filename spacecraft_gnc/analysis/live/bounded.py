@@ -19,6 +19,10 @@ MOST_BYTES: Final = 16384
 """Of a request line with its headers and its body."""
 REQUEST_TIME: Final = 5.0
 """Wall time for a client to send all of its request [s]."""
+LINGER_TIME: Final = 5.0
+"""Wall time for a client to end its connection after the answer [s]."""
+LINGER_BYTES: Final = 2**20
+"""Of what a client still sends after the answer."""
 _TEXT: Final = b"too many connections\n"
 _BUSY: Final = (
     b"HTTP/1.0 503 Service Unavailable\r\nContent-Type: text/plain; charset=utf-8\r\n"
@@ -113,7 +117,24 @@ class BoundedServer(ThreadingHTTPServer):
             request.setblocking(False)
             request.send(_BUSY)  # it fits in the buffer of a new connection
             request.recv(MOST_BYTES)  # closed with bytes unread, the answer would be lost
-        self.shutdown_request(request)
+        super().shutdown_request(request)
+
+    def shutdown_request(self, request: Any) -> None:
+        """Close a connection once its client has, or after some time and bytes.
+
+        Closed with bytes unread, or while the client still sends, a connection is reset, which can
+        lose the answer.
+        """
+        deadline = time.monotonic() + LINGER_TIME
+        with suppress(OSError):
+            request.shutdown(socket.SHUT_WR)
+            unread = LINGER_BYTES
+            while unread > 0 and (left := deadline - time.monotonic()) > 0.0:
+                request.settimeout(left)
+                if not (received := request.recv(MOST_BYTES)):
+                    break
+                unread -= len(received)
+        self.close_request(request)
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Say nothing: a client that leaves is no error."""
