@@ -135,20 +135,21 @@ def to_quaternion_xyzw(rotation: Matrix3) -> Array:
     (Shepperd's method). NaN if the rotation is unknown. Raises ShapeError if it is not a (3, 3)
     array.
     """
-    r = as_shaped("rotation", rotation, (3, 3))
-    trace = float(r[0, 0] + r[1, 1] + r[2, 2])
-    squares = [1.0 + 2.0 * float(r[i, i]) - trace for i in range(3)] + [1.0 + trace]
-    largest = int(np.argmax(squares))
+    r = as_shaped("rotation", rotation, (3, 3)).tolist()  # single numbers of a list come sooner
+    trace = r[0][0] + r[1][1] + r[2][2]
+    squares = [1.0 + 2.0 * r[i][i] - trace for i in range(3)] + [1.0 + trace]
+    largest = squares.index(max(squares))
     if largest == 3:
-        raw = [r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1], squares[3]]
+        raw = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1], squares[3]]
     else:
         i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
         raw = [0.0] * 4
         raw[i] = squares[i]
-        raw[j] = float(r[i, j] + r[j, i])
-        raw[k] = float(r[i, k] + r[k, i])
-        raw[3] = float(r[k, j] - r[j, k])
-    q = np.array(raw) / np.linalg.norm(raw)
+        raw[j] = r[i][j] + r[j][i]
+        raw[k] = r[i][k] + r[k][i]
+        raw[3] = r[k][j] - r[j][k]
+    q = np.array(raw)
+    q /= math.sqrt(q @ q)
     return np.asarray(-q if q[3] < 0.0 else q)
 
 
