@@ -87,7 +87,7 @@ def parts(scenario: str, n: int) -> list[Part]:
         clock.note()
         loop = made.build()
         clock.note()
-        flight = loop.run(timed=False)
+        flight = loop.run()
         clock.note()
         summarize(flight, made)
         clock.note()

@@ -85,8 +85,9 @@ o = predictor.predict(State(0, R.T, Pi), np.eye(3))
 assert o.constraint == "convergence" and o.violation_step == 8
 found |= {"loop_margin": o.margin, "loop_radius": predictor.settled.radius}
 plant = RigidBodyPlant(RigidBody(J, 0.2), R.T, Pi, 5, 2)
-o = ClosedLoop(plant, loop, PassThroughGovernor(np.eye(3))).run(timed=False)
-assert np.ptp(o.solve_time) == 0.0  # flown at once
+governor = PassThroughGovernor(np.eye(3))
+assert plant.stretch(loop, governor, 5) is not None  # flown at once
+o = ClosedLoop(plant, loop, governor).run()
 found |= {"at_once_torques": o.torque, "at_once_attitude": o.final_attitude}
 tail.SAMPLES, tail.FLIGHTS = 64, 3  # interpreted, thousands would take minutes
 law = AttitudeFeedback(0.2 * J, 0.4, J)

@@ -20,7 +20,7 @@ FILES = sorted(ROOT.rglob("*.py"))
 LAYERS = (
     {"__init__", "errors", "extras", "arguments", "arrays", "lazy", "status"},
     {"_cached_kernels"},
-    {"types", "_kernels"},
+    {"types", "_clock_kernels", "_kernels"},
     {"_inner_kernels"},
     {"solvability"},
     {"lie"},

@@ -127,7 +127,7 @@ class Flyer:
         except Exception as error:  # noqa: BLE001 - of a plug-in: a row, not the end of the campaign
             return Flown(self._row(run, values, ERROR, _reason(error)), None, scenario)
         try:
-            flight = loop.run(timed=False)
+            flight = loop.run()
             row = self._row_of(run, values, flight, scenario)
         except Exception as error:  # noqa: BLE001 - likewise
             return Flown(self._row(run, values, ERROR, _reason(error)), None, scenario)

@@ -54,17 +54,16 @@ class ClosedLoop:
         self.controller = controller
         self.governor = governor
 
-    def run(self, progress: Progress | None = None, *, timed: bool = True) -> Flight:
+    def run(self, progress: Progress | None = None) -> Flight:
         """Fly the whole scenario from its initial state.
+
+        Plants that can (`loop.protocols.Stretch`) fly many steps at once: the flight is the same,
+        bit for bit, but for its wall times.
 
         Parameters
         ----------
         progress : callable, optional
             Called with (step, n_steps) after every step, or after all that are flown at once.
-        timed : bool
-            Whether each step is timed by itself. Where it is not, plants that can
-            (`loop.protocols.Stretch`) fly many steps at once: the flight is the same, bit for bit,
-            but for its ``solve_time``, which is then the mean wall time of these steps.
 
         Returns
         -------
@@ -76,7 +75,7 @@ class ClosedLoop:
             core.reset()
         plant, controller, governor = self.plant, self.controller, self.governor
         log = FlightLog(plant.flight, plant.n_steps, plant.period)
-        stretch = None if timed else self._stretch()
+        stretch = self._stretch()
         actuators = getattr(plant, "actuators", None)
         state, reference, k = plant.state, None, 0
         step = Step(state, None, None, None)  # one for all, since making it takes time

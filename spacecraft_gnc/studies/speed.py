@@ -20,7 +20,7 @@ from spacecraft_gnc.dynamics import RigidBody
 from spacecraft_gnc.governors.feedback_loop import FeedbackPredictor
 from spacecraft_gnc.governors.prediction import Prediction
 from spacecraft_gnc.governors.search import GeodesicSearch
-from spacecraft_gnc.loop import ClosedLoop, Flight
+from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.types import Array, Matrix3, State
 from spacecraft_gnc.vehicles.rigid_body.controllers.feedback.controller import FeedbackController
@@ -92,14 +92,15 @@ def time_integrator(inertia: Array, time_step: float, repeats: int = 20) -> dict
     return {"kernel": quantiles(march), "call": quantiles(single)}
 
 
-def time_kernel(scenario: Scenario, repeats: int = 20) -> dict[str, float | int]:
-    """Time the warm solves of a scenario's flight inside compiled code, one call for them all.
+def time_solves(scenario: Scenario, repeats: int = 20) -> dict[str, Any]:
+    """Time the warm solves of a scenario's flight: in the kernel, and as calls from Python.
 
-    Each repeat gives the mean time of a solve; every solve starts from the multipliers that it had
-    in the flight.
+    ``kernel``: one call for them all, of which each repeat gives the mean. Every solve starts from
+    the multipliers that it had in the flight.
     """
     ocp, plant = problem_of(scenario), scenario.build_plant()
     solver, warm = ShootingSolver(ocp), np.zeros((ocp.horizon, 6))
+    solver.warm_up()
     state, states, starts = plant.state, [], []
     for _ in range(plant.n_steps):
         solution = solver.solve(state.attitude, state.momentum, warm_start=warm)
@@ -107,26 +108,41 @@ def time_kernel(scenario: Scenario, repeats: int = 20) -> dict[str, float | int]
         starts.append(warm)
         warm = solution.multipliers[1:]
         state = plant.step(solution.torques[0])
-    attitudes = np.array([s.attitude for s in states[1:]])
-    momenta = np.array([s.momentum for s in states[1:]])
-    times = [
-        solver.solve_batch(attitudes, momenta, warm_starts=np.array(starts[1:])).solve_time
-        for _ in range(repeats + 1)
-    ]
-    return quantiles(np.array(times[1:]) / len(momenta))
+    states, starts = states[1:], starts[1:]
+    attitudes = np.array([s.attitude for s in states])
+    momenta = np.array([s.momentum for s in states])
+    together, calls = [], []
+    for _ in range(repeats + 1):
+        batch = solver.solve_batch(attitudes, momenta, warm_starts=np.array(starts))
+        together.append(batch.solve_time / len(states))
+        for state, warm in zip(states, starts, strict=True):
+            begun = perf_counter()
+            solver.solve(state.attitude, state.momentum, warm_start=warm)
+            calls.append(perf_counter() - begun)
+    return {
+        "kernel": quantiles(np.array(together[1:])),
+        "call": quantiles(np.array(calls[len(states) :])),
+    }
 
 
 def time_flight(loop: ClosedLoop, repeats: int = 20) -> dict[str, Any]:
-    """Time whole flights of a closed loop, and every solve in them but the first (cold) ones."""
-    loop.run()
+    """Time whole flights of a closed loop, and every solve in them but the first (cold) ones.
+
+    ``step``: of a flight's time, the share of one control step.
+    """
+    flight = loop.run()
     flights, solves = np.empty(repeats), []
-    flight: Flight | None = None
     for i in range(repeats):
         begun = perf_counter()
         flight = loop.run()
         flights[i] = perf_counter() - begun
         solves.append(flight.solve_time[1:])
-    return {"flight": quantiles(flights), "solve": quantiles(np.concatenate(solves))}
+    steps = len(flight.time)
+    return {
+        "flight": quantiles(flights),
+        "step": quantiles(flights / steps),
+        "solve": quantiles(np.concatenate(solves)),
+    }
 
 
 def time_governor(scenario: Scenario, repeats: int = 2000) -> dict[str, Any]:

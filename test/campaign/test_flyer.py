@@ -21,7 +21,7 @@ def test_a_run_is_the_flight_of_its_overrides(spec) -> None:
     flyer = Flyer(spec)
     row, flight, scenario = flyer.fly(3)
     alone = load("gupta2015_case1", {**SHORT, **flyer.overrides(3)})
-    again = alone.build().run()  # timed: each step by itself
+    again = alone.build().run()
     assert fingerprint(scenario) == fingerprint(alone) == row["scenario_hash"]
     np.testing.assert_array_equal(flight.attitude, again.attitude)
     metrics = dict(flat_metrics(summarize(again, alone)))

@@ -106,7 +106,7 @@ def test_a_replanned_flight_is_repeated_bit_by_bit():
     scenario = load(REPLANNED)
     loop = scenario.build()
     first, again = loop.run(), loop.run()
-    other = load(REPLANNED).build().run(timed=False)
+    other = load(REPLANNED).build().run()
     for name in ("torque", "attitude", "plan_error", "plan", "plan_phase"):
         assert getattr(first, name).tobytes() == getattr(again, name).tobytes()
         assert getattr(first, name).tobytes() == getattr(other, name).tobytes()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._clock_kernels import now
 from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import given, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import advance
@@ -46,16 +47,17 @@ def fly_steps(
 
     ``inputs`` (7, 3), R over Pi over R_ref, and ``warm`` (N, 6) move on from step to step; row
     k % 2 of the flat ``plans`` belongs to step k. ``state`` (5, 3) is room for `advance`. Row k of
-    the last five arrays takes attitude, momentum, torque, iterations, and residual and cost of step
-    k.
+    the last five arrays takes attitude, momentum, torque, iterations, and residual, cost and wall
+    time [s] of the solve of step k.
     """
     N = warm.shape[0]
     stand_still(arena)
     for k in range(counts.shape[0]):
-        plan = plans[k % 2]
+        plan, begun = plans[k % 2], now()
         status = solve(
             given(inputs[:3]), given(inputs[3]), given(inputs[4:]), given(warm), plan, arena, kept
         )
+        values[k, 2] = now() - begun
         _, _, torque, lam, _, numbers, _ = parts_of(plan, arena)
         if status != CONVERGED or numbers[1] > patience or not _is_finite(torque):
             return k
