@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 import gc
+import multiprocessing
+import os
+import signal
 import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import typer
 
+from spacecraft_gnc import SILENT_COMPILER
 from spacecraft_gnc.cli._common import QuietOption
 
 _FEW_COLLECTIONS: Final = 200_000
 """Objects to the next collection of garbage, which else takes 7 % of the time of compiling."""
+_Task = tuple[str, int]
+"""A vehicle, and which of its flights to fly; the number behind the last: what no flight needs."""
 
 
 def warmup(
@@ -25,12 +34,14 @@ def warmup(
     quiet: QuietOption = False,
 ) -> None:
     """Compile the kernels of the built-in vehicles, and of the scenarios given, into the cache."""
-    from spacecraft_gnc.scenario import from_sections, load_fleet
-    from spacecraft_gnc.vehicles import registry
+    from spacecraft_gnc.scenario import load_fleet
 
     started = time.perf_counter()
-    gc.set_threshold(_FEW_COLLECTIONS)
     fleets = [load_fleet(path) for path in scenarios or ()]
+    tasks = deque(_tasks())
+    # From both ends, because neighbors share kernels, which two processes would both compile.
+    with ThreadPoolExecutor() as threads:
+        list(threads.map(_work_off, [tasks.popleft, tasks.pop][: os.cpu_count()]))
     for scenario in [one for fleet in fleets for one in fleet.agents.values()]:
         for core in (
             scenario.build_plant(),
@@ -38,14 +49,51 @@ def warmup(
             scenario.build_governor(),
         ):
             core.warm_up()
-    for name in registry.own_names(registry.VEHICLES):
-        vehicle = registry.vehicle_of(name)
-        if vehicle.warmup is None:
-            continue
-        flights, compile_further = vehicle.warmup.load()
-        built_in = [from_sections(sections, "warmup") for sections in flights()]
-        for scenario in built_in:
-            scenario.build().run()
-        compile_further(built_in[0])
     if not quiet:
         print(f"kernels ready after {time.perf_counter() - started:.1f} s")
+
+
+def _warmups() -> dict[str, tuple[Any, Any]]:
+    """Return by vehicle what yields its flights, and what compiles the rest."""
+    from spacecraft_gnc.vehicles import registry
+
+    vehicles = {name: registry.vehicle_of(name) for name in registry.own_names(registry.VEHICLES)}
+    return {name: one.warmup.load() for name, one in vehicles.items() if one.warmup is not None}
+
+
+def _tasks() -> list[_Task]:
+    """Return what is to be compiled, that of the vehicle with most flights first."""
+    counts = {name: len(list(flights())) for name, (flights, _) in _warmups().items()}
+    names = sorted(counts, key=lambda name: -counts[name])
+    return [(name, number) for name in names for number in range(counts[name] + 1)]
+
+
+def _work_off(take: Callable[[], _Task]) -> None:
+    """Have a process compile one task after the other, until there is none to take."""
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, context, _prepare) as worker:
+        while True:
+            try:
+                task = take()
+            except IndexError:
+                return
+            worker.submit(_compile, *task).result()
+
+
+def _prepare() -> None:
+    """Set a process up: without a word, and with less garbage collection."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    os.environ[SILENT_COMPILER] = "1"
+    gc.set_threshold(_FEW_COLLECTIONS)
+
+
+def _compile(name: str, number: int) -> None:
+    """Compile the kernels of a task."""
+    from spacecraft_gnc.scenario import from_sections
+
+    flights, compile_further = _warmups()[name]
+    sections = list(flights())
+    if number < len(sections):
+        from_sections(sections[number], "warmup").build().run()
+    else:
+        compile_further(from_sections(sections[0], "warmup"))

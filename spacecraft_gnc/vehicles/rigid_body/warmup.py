@@ -7,8 +7,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from spacecraft_gnc.governors.pass_through import PassThroughGovernor
-from spacecraft_gnc.loop import ClosedLoop
 from spacecraft_gnc.ocp import ShootingSolver
 from spacecraft_gnc.vehicles.rigid_body.audit import motion
 from spacecraft_gnc.vehicles.rigid_body.audit.plans import Certifier
@@ -47,16 +45,13 @@ def flights() -> Iterator[dict[str, Any]]:
 
 
 def compile_further(scenario: Scenario) -> None:
-    """Compile what no flight needs: batches of solves, audit, transfers, steps flown at once."""
+    """Compile what no flight needs: batches of solves, audit, transfers."""
     ShootingSolver(problem_of(scenario)).solve_batch(np.eye(3)[None], np.zeros((1, 3)))
     certifier = Certifier.from_scenario(scenario)
     if certifier is not None:
         certifier.warm_up()
-    plant = RigidBodyPlant.from_scenario(scenario)
-    motion.warm_up(plant)
+    motion.warm_up(RigidBodyPlant.from_scenario(scenario))
     PLANNER.warm_up()
-    governor = PassThroughGovernor(np.eye(3))
-    ClosedLoop(plant, scenario.build_controller(), governor).run(timed=False)
 
 
 def _flight(controller: dict[str, Any], governor: dict[str, Any] | None = None) -> dict[str, Any]:
