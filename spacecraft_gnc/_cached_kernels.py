@@ -71,6 +71,9 @@ class Bitcode(codegen.JITCodeLibrary):  # type: ignore[misc]
         """Return what the cache stores."""
         return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
 
+    def _optimize_final_module(self) -> None:
+        """Leave it to the kernels that link it, which optimize all that they consist of."""
+
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()

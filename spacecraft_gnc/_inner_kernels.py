@@ -14,7 +14,7 @@ from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
 from spacecraft_gnc._cached_kernels import IS_TESTED, Bitcode, KernelCache
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 
 
 class _ToBitcode(Compiler):  # type: ignore[misc]  # numba has no types
@@ -44,12 +44,21 @@ class InnerKernel(CPUDispatcher):  # type: ignore[misc]
         raise TypeError(message)
 
 
-def inner_kernel(function: Callable[..., Any]) -> Any:
-    """Compile a kernel that only kernels call."""
-    if config.DISABLE_JIT or not IS_TESTED:
-        return kernel(function)
-    options = {"nopython": True, "boundscheck": None, "error_model": "numpy"}
-    options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}
-    compiled = InnerKernel(function, targetoptions=options, pipeline_class=_ToBitcode)
-    compiled.enable_caching()
-    return compiled
+def _inner(otherwise: Callable[..., Any], **options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Return a decorator that compiles inner kernels with these options, where that is possible."""
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        if config.DISABLE_JIT or not IS_TESTED:
+            return otherwise(function)
+        wanted = {"nopython": True, "boundscheck": None, "error_model": "numpy", **options}
+        wanted |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": True}
+        compiled = InnerKernel(function, targetoptions=wanted, pipeline_class=_ToBitcode)
+        compiled.enable_caching()
+        return compiled
+
+    return decorate
+
+
+inner_kernel = _inner(kernel)
+inlined_inner_kernel = _inner(inlined_kernel, forceinline=True)
+"""Inner `inlined_kernel`."""

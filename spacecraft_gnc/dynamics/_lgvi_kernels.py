@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
 from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
@@ -33,7 +34,7 @@ MAX_NEWTON_STEPS = 30
 LAST_CORRECTION_SQUARED = 1e-20
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def body_inertia(body):
     """Inertia J of a packed body."""
     return (
@@ -41,7 +42,7 @@ def body_inertia(body):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def body_inverse_inertia(body):
     """J^-1 of a packed body."""
     return (
@@ -49,7 +50,7 @@ def body_inverse_inertia(body):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def body_nonstandard_inertia(body):
     """Jd of a packed body."""
     return (
@@ -83,7 +84,7 @@ def solvable(body, h, Pi):
     return s22 - s02 * s02 / s00 - e12 * e12 / d11 >= 0.0
 
 
-@kernel
+@inner_kernel
 def relative_quaternion(body, h, Pi):
     """Solve 2 q0 J q + 2 q x (J q) = h Pi for the quaternion (q0, q) of F_k; return q0, q, ok."""
     J = body_inertia(body)
@@ -125,7 +126,7 @@ def relative_quaternion(body, h, Pi):
     return q0, q, False
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def rotation_of(q0, q):
     """Rotation F of the unit quaternion (q0, q)."""
     x, y, z = q
@@ -136,14 +137,14 @@ def rotation_of(q0, q):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def rotate_back(q0, q, x):
     """F^T x as x plus a small correction: the rounding error is half an ulp of x."""
     t = scale(2.0, cross(q, x))
     return add(x, sub(cross(q, t), scale(q0, t)))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def rotate_rows(q0, q, R):
     """R F, row by row: row^T F = F^T applied to the row as a column."""
     r0 = rotate_back(q0, q, (R[0], R[1], R[2]))
@@ -152,7 +153,7 @@ def rotate_rows(q0, q, R):
     return (r0[0], r0[1], r0[2], r1[0], r1[1], r1[2], r2[0], r2[1], r2[2])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def polished(R):
     """One Newton-Schulz step R (3 I - R^T R)/2: squares the orthogonality error."""
     a = 1.5 - 0.5 * (R[0] * R[0] + R[3] * R[3] + R[6] * R[6])

@@ -5,18 +5,19 @@ Unlike arrays, tuples are not allocated or aliased. Frames are those of the call
 
 from __future__ import annotations
 
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel
 from spacecraft_gnc._kernels import inlined_kernel
 
 EYE = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def load3(a, k, i=0):
     """Read three numbers of row ``k`` of a 2-D array, from column ``i``."""
     return (a[k, i], a[k, i + 1], a[k, i + 2])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def store3(a, k, x, i=0):
     """Write three numbers to row ``k`` of a 2-D array, from column ``i``."""
     a[k, i] = x[0]
@@ -24,7 +25,7 @@ def store3(a, k, x, i=0):
     a[k, i + 2] = x[2]
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def load9_flat(a, k, i=0):
     """Read a matrix from row ``k`` of a 2-D array, from column ``i``."""
     return (
@@ -33,14 +34,14 @@ def load9_flat(a, k, i=0):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def store9_flat(a, k, A, i=0):
     """Write a matrix to row ``k`` of a 2-D array, from column ``i``."""
     for j in range(9):
         a[k, i + j] = A[j]
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def load9(a, k):
     """Read block ``k`` of an (n, 3, 3) array."""
     return (
@@ -50,7 +51,7 @@ def load9(a, k):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def load9_rows(a, k):
     """Read rows ``k`` to ``k + 2`` of an (n, 3) array."""
     return (
@@ -60,7 +61,7 @@ def load9_rows(a, k):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def store9_rows(a, k, A):
     """Write a matrix to rows ``k`` to ``k + 2`` of an (n, 3) array."""
     store3(a, k, (A[0], A[1], A[2]))
@@ -68,7 +69,7 @@ def store9_rows(a, k, A):
     store3(a, k + 2, (A[6], A[7], A[8]))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def store9(a, k, A):
     """Write block ``k`` of an (n, 3, 3) array."""
     a[k, 0, 0] = A[0]
@@ -88,25 +89,25 @@ def add(x, y):
     return (x[0] + y[0], x[1] + y[1], x[2] + y[2])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def sub(x, y):
     """Difference x - y of two 3-vectors."""
     return (x[0] - y[0], x[1] - y[1], x[2] - y[2])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def scale(s, x):
     """Product s x of a number and a 3-vector."""
     return (s * x[0], s * x[1], s * x[2])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def dot(x, y):
     """Inner product of two 3-vectors."""
     return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def cross(x, y):
     """Cross product x x y."""
     return (
@@ -116,7 +117,7 @@ def cross(x, y):
     )
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def mat_vec(A, x):
     """Product A x."""
     return (
@@ -126,7 +127,7 @@ def mat_vec(A, x):
     )
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def mat_t_vec(A, x):
     """Product A^T x."""
     return (
@@ -136,13 +137,13 @@ def mat_t_vec(A, x):
     )
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def transpose(A):
     """Transpose A^T."""
     return (A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def mat_mat(A, B):
     """Product A B."""
     return (
@@ -174,7 +175,7 @@ def mat_add(A, B):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def mat_sub(A, B):
     """Difference A - B."""
     return (
@@ -194,7 +195,7 @@ def mat_scale(s, A):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def outer(x, y):
     """Outer product x y^T."""
     return (
@@ -204,13 +205,13 @@ def outer(x, y):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def hat(x):
     """Cross-product matrix of x."""
     return (0.0, -x[2], x[1], x[2], 0.0, -x[0], -x[1], x[0], 0.0)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def hat_mat(x, A):
     """Product hat(x) A."""
     return (
@@ -220,13 +221,13 @@ def hat_mat(x, A):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def vee_antisymmetric(A):
     """Vector of the antisymmetric part (A - A^T)/2."""
     return (0.5 * (A[7] - A[5]), 0.5 * (A[2] - A[6]), 0.5 * (A[3] - A[1]))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def trace_minus(A):
     """Matrix tr(A) I - A, for which hat(x) A + A^T hat(x) = hat((tr(A) I - A) x)."""
     return (
@@ -236,7 +237,7 @@ def trace_minus(A):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def inverse(A):
     """Inverse by cofactors, and the determinant (the caller checks that it is not zero)."""
     c0 = A[4] * A[8] - A[5] * A[7]

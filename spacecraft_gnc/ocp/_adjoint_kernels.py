@@ -6,6 +6,7 @@ weight, z = V^T u: see `_stage_kernels`.
 
 from __future__ import annotations
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_nonstandard_inertia,
@@ -42,7 +43,7 @@ from spacecraft_gnc.ocp._terminal_kernels import terminal_hessian
 from spacecraft_gnc.ocp._track_kernels import control_reference, stage_weighed
 
 
-@kernel
+@inner_kernel
 def _row(data, i):
     """Torque of the unit control z_i: row i of G."""
     g = D_U + int(data[M_U]) + 3 * i
@@ -73,7 +74,7 @@ def rollout(body, data, R, Pi, z, W):
     return z.shape[0]
 
 
-@kernel
+@inner_kernel
 def _sigma(data, W, k):
     """2 mu0 max(0, H0) of stage k."""
     excess = squared_control(W, k) - data[ALPHA]
@@ -94,7 +95,7 @@ def adjoint_gradient(data, zones, track, R, Pi, lam, W, gradient):
             gradient[k, i] = 2.0 * h * (pull - dot(_row(data, i), load3(lam, k, 3)))
 
 
-@kernel
+@inner_kernel
 def _deviation(W, k0, d_Pi, states):
     """Carry delta Pi at step k0 + 1 along the horizon into ``states`` (N+1, 6)."""
     N = W.shape[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, load3
 from spacecraft_gnc.ocp._data_kernels import ALPHA, D_U, M_U, MADE_OF, MADE_OF_PI, MU0
@@ -32,7 +33,7 @@ def rounding_of(data, track, Pi):
     return ROUNDING * N * (data[MADE_OF] + data[MADE_OF_PI] * momentum)
 
 
-@kernel
+@inner_kernel
 def is_stationary(data, track, lam, W, left):
     """Whether the torques of W make the cost stationary but for ``left`` of the multipliers.
 

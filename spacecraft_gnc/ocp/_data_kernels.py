@@ -16,6 +16,7 @@ integrator whose momentum is measured.
 
 from __future__ import annotations
 
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel
 from spacecraft_gnc._kernels import inlined_kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, mat_vec
 
@@ -24,13 +25,13 @@ Q1, P1, S_Q2, S_P2, LOG_FORM, Q_RATE, P_LOG = 3, 12, 21, 30, 39, 40, 49
 U_UNIT, MADE_OF, MADE_OF_PI, PLANT_H, M_U, D_U = 85, 86, 87, 88, 89, 90
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def data3(data, i):
     """Three consecutive numbers of ``data``."""
     return (data[i], data[i + 1], data[i + 2])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def data9(data, i):
     """Nine consecutive numbers of ``data``."""
     return (
@@ -39,7 +40,7 @@ def data9(data, i):
     )  # fmt: skip
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def log_weight(data, row, column):
     """3 x 3 block of the weight of (Z_N, Pi_N) from a row and a column, 0 or 3 each."""
     i = P_LOG + 6 * row + column

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     relative_quaternion,
@@ -23,7 +24,7 @@ from spacecraft_gnc.ocp._terminal_kernels import (
 BISECTIONS = 40
 
 
-@kernel
+@inner_kernel
 def _exp(Z):
     """Rotation by the vector Z."""
     angle = math.sqrt(dot(Z, Z))
@@ -59,20 +60,20 @@ def excess(body, data, gain, Z, Pi):
     return (change + cost) / (0.5 * level)
 
 
-@kernel
+@inner_kernel
 def _row_block(gain, column, x):
     """Product of the 3 x 3 block of ``gain`` from a column with x."""
     a, b, c = load3(gain, 0, column), load3(gain, 1, column), load3(gain, 2, column)
     return (dot(a, x), dot(b, x), dot(c, x))
 
 
-@kernel
+@inner_kernel
 def _excess_at(body, data, gain, ray, radius):
     Z = scale(radius, (ray[0], ray[1], ray[2]))
     return excess(body, data, gain, Z, scale(radius, (ray[3], ray[4], ray[5])))
 
 
-@kernel
+@inner_kernel
 def first_violation(body, data, gain, ray, shells, limit):
     """Smallest radius along a ray at which `excess` is positive, below ``limit``; else ``limit``.
 

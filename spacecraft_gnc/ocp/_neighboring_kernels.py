@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel, unowned
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
@@ -45,7 +46,7 @@ SAFETY = 2.0  # of the bound, for a contraction seen once
 CAUTION = 4.0  # of a contraction that was seen on earlier steps and not on this one
 
 
-@kernel
+@inner_kernel
 def small_rotation_vector(E):
     """Rotation vector of E, for angles below half a turn."""
     v = vee_antisymmetric(E)
@@ -65,7 +66,7 @@ def feed_back(attitudes, momenta, torques, gains, k, state, u):
             u[i] += gains[k, i, j] * eta[j] + gains[k, i, 3 + j] * off[j]
 
 
-@kernel
+@inner_kernel
 def _cut(data, u, W):
     """Scale u_0 down to the torque limit, which the penalty lets it pass by a little."""
     zz = squared_control(W, 0)
@@ -73,14 +74,14 @@ def _cut(data, u, W):
         store3(u, 0, scale((1.0 - 2.0**-52) * math.sqrt(data[ALPHA] / zz), load3(u, 0)))
 
 
-@kernel
+@inner_kernel
 def _fill_torques(data, track, guess, u, W):
     """Fill the torques u, and the controls in W, that follow from the multipliers by (38)."""
     for k in range(u.shape[0]):
         store3(u, k, control(data, track, load3(guess, k), W, k)[0])
 
 
-@kernel
+@inner_kernel
 def _torque_change(data, track, guess, step, u, W):
     """Euclidean norm, over all stages, of how far ``step`` moves the torques u of the guess.
 
@@ -108,7 +109,7 @@ def error_bound(change, contraction):
     return SAFETY * change / (1.0 - contraction)
 
 
-@kernel
+@inner_kernel
 def _correct_until(allowed, problem, horizon, work, pattern, seen):
     """Make the correction in ``step``, and one more where the first bound exceeds ``allowed``.
 

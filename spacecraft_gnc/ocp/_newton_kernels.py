@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import inlined_kernel, kernel
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inertia
 from spacecraft_gnc.lie._mat3_kernels import add, load3, scale, store3
 from spacecraft_gnc.ocp._certificate_kernels import (
@@ -43,40 +43,40 @@ ARRIVED = -3  # no status: Newton's full correction is within rounding of the gu
 SMALLEST_CORRECTION = 1e-10  # of the multipliers, relative to the largest
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _at(problem, horizon, guess, resid):
     body, data, zones, track = problem
     R, Pi, u, lam, W = horizon
     return evaluate_begun(body, data, zones, track, guess, R, Pi, u, lam, resid, W)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _cost(problem, horizon):
     return horizon_cost(problem[1], problem[2], problem[3], horizon[0], horizon[1], horizon[4])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _linearize(problem, horizon, fac, rho, estimated):
     body, data, zones, track = problem
     R, Pi, _, lam, W = horizon
     return factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def move(guess, gamma, step, trial):
     """Fill ``trial`` with guess + gamma step, all (N, 3)."""
     for k in range(guess.shape[0]):
         store3(trial, k, add(load3(guess, k), scale(gamma, load3(step, k))))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _newton_step(problem, work, rho):
     resid, step, fac = work[2], work[3], work[4]
     zero = (0.0, 0.0, 0.0)
     return substitute(problem[1][H], fac, resid, zero, zero, rho, step)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _cost_noise(problem, cost, N):
     """How far rounding may move a cost: that of R - R_ref enters it to first order."""
     data = problem[1]
@@ -85,7 +85,7 @@ def _cost_noise(problem, cost, N):
     return 1e-9 * abs(cost) + 1e-14 * math.sqrt(abs(cost) * attitude)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _is_better(new_cost, new_norm, cost, norm, gamma, slope, noise):
     """Armijo on the cost; near the optimum, where the cost is flat to rounding, on the residual."""
     if new_cost <= cost + SUFFICIENT_DECREASE * gamma * slope:
@@ -95,7 +95,7 @@ def _is_better(new_cost, new_norm, cost, norm, gamma, slope, noise):
     return abs(gamma * slope) < 1e-4 * noise and new_norm < norm
 
 
-@kernel
+@inner_kernel
 def _search(problem, horizon, work, rho, cost, norm, slope):
     """Shorten the step in ``work`` until it makes progress; returns success, gamma, norm, pattern.
 
@@ -123,7 +123,7 @@ def _search(problem, horizon, work, rho, cost, norm, slope):
     return False, gamma, norm, 0
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _flat(problem, norm):
     """Largest slope that is zero but for rounding; negative without a hard limit.
 
@@ -133,7 +133,7 @@ def _flat(problem, norm):
     return 2e-12 * data[H] * norm * norm / data[D_U] if math.isinf(data[MU0]) else -1.0
 
 
-@kernel
+@inner_kernel
 def _searched_step(problem, horizon, work, rho, estimated, norm, local, stagnant):
     """One step that makes progress, with ``rho`` raised until there is one.
 
@@ -169,7 +169,7 @@ def _searched_step(problem, horizon, work, rho, estimated, norm, local, stagnant
     return LINE_SEARCH_FAILED, norm, 0, rho, rho
 
 
-@kernel
+@inner_kernel
 def _fixed_step(problem, horizon, work, gamma, estimated):
     """One step of given length, whatever it does; returns status, residual, pattern."""
     guess, _, resid, step, fac = work
@@ -179,7 +179,7 @@ def _fixed_step(problem, horizon, work, gamma, estimated):
     return _at(problem, horizon, guess, resid)
 
 
-@kernel
+@inner_kernel
 def _chord_step(problem, horizon, work, norm):
     """One step with the kept factorization; taken back where it does not contract.
 
@@ -196,7 +196,7 @@ def _chord_step(problem, horizon, work, norm):
     return False, norm, pattern
 
 
-@kernel
+@inner_kernel
 def _leave_saddle(problem, horizon, work, stage):
     """Step along negative curvature until the cost falls; returns status, residual, pattern."""
     body, data, _, _ = problem
@@ -217,7 +217,7 @@ def _leave_saddle(problem, horizon, work, stage):
     return SADDLE, norm, pattern
 
 
-@kernel
+@inner_kernel
 def newton(problem, horizon, work, kept, rule, damping, estimated, tolerance, max_steps):
     """Iterate from the guess in ``work``; returns status, steps, residual, curvature."""
     data, track, fac = problem[1], problem[3], work[4]

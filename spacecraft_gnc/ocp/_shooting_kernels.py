@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_inertia,
@@ -167,7 +168,7 @@ def shooting_jacobian(body, data, zones, track, R, Pi, u, lam, W, T, E, estimate
         E[3, j], E[4, j], E[5, j] = e2
 
 
-@kernel
+@inner_kernel
 def solve_linear(A, b):
     """Gaussian elimination with partial pivoting in place; b becomes the solution."""
     n = b.shape[0]
@@ -196,13 +197,13 @@ def solve_linear(A, b):
     return True
 
 
-@kernel
+@inner_kernel
 def _norm(problem, E1, E2):
     E1 = scale(lever(problem), E1)
     return math.sqrt(dot(E1, E1) + dot(E2, E2))
 
 
-@kernel
+@inner_kernel
 def _shoot(problem, horizon):
     """Propagate; returns status, E1, E2 and the residual norm (infinite without one)."""
     body, data, zones, track = problem
@@ -211,7 +212,7 @@ def _shoot(problem, horizon):
     return status, E1, E2, _norm(problem, E1, E2) if status == CONVERGED else math.inf
 
 
-@kernel
+@inner_kernel
 def _direction(problem, T, E, E1, E2):
     """Solve E d = (E1, E2) with the Jacobian in E, which stays; returns d1, d2 and success.
 
@@ -227,13 +228,13 @@ def _direction(problem, T, E, E1, E2):
     return scale(1.0 / c, (b[0], b[1], b[2])), (b[3], b[4], b[5]), done
 
 
-@kernel
+@inner_kernel
 def _move(lam, x1, x2, gamma, d1, d2):
     store3(lam, 0, sub(x1, scale(gamma, d1)))
     store3(lam, 0, sub(x2, scale(gamma, d2)), 3)
 
 
-@kernel
+@inner_kernel
 def _step(problem, horizon, T, E, E1, E2, norm, rule, damping, good_jacobian):
     """Change the multipliers of row 0 by (43); returns status, E1, E2, residual.
 
@@ -261,7 +262,7 @@ def _step(problem, horizon, T, E, E1, E2, norm, rule, damping, good_jacobian):
     return LINE_SEARCH_FAILED, E1, E2, norm
 
 
-@kernel
+@inner_kernel
 def newton_shooting(problem, horizon, T, E, kept, rule, damping, estimated, tolerance, max_steps):
     """Newton on (44) from row 0 of lam; returns status, steps, residual norm.
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
 from spacecraft_gnc._kernels import given, inlined_kernel, kernel, unowned
 from spacecraft_gnc.dynamics._lgvi_kernels import BODY_SIZE
 from spacecraft_gnc.lie._mat3_kernels import (
@@ -73,7 +74,7 @@ def make_arena(body: Array, data: Array, zones: Array, n: int, settings: Sequenc
     return np.concatenate([body, data, zones.ravel(), room, tail])
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def is_rotation(R):
     """Whether |R^T R - I|_F^2 is small and det R > 0; false for NaN."""
     S = mat_t_mat(R, R)
@@ -84,13 +85,13 @@ def is_rotation(R):
     return error <= ROTATION_ERROR_SQUARED and inverse(R)[1] > 0.0
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def is_momentum(Pi):
     """Whether three numbers are finite; how large a momentum may be, the integrator says."""
     return 0.0 * Pi[0] + 0.0 * Pi[1] + 0.0 * Pi[2] == 0.0
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _is_finite(rows):
     """Whether multipliers (N, 6) are finite, and so are the sums of a row."""
     total = 0.0
@@ -100,7 +101,7 @@ def _is_finite(rows):
     return total == 0.0
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _angle(A, B):
     """Angle between two rotations, accurate near 0 and near pi."""
     E = mat_t_mat(A, B)
@@ -108,7 +109,7 @@ def _angle(A, B):
     return math.atan2(math.sqrt(dot(v, v)), 0.5 * (E[0] + E[4] + E[8] - 1.0))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _margins(zones, R, margins):
     """Smallest angle to each zone over the horizon (negative: violated)."""
     for i in range(zones.shape[0]):
@@ -131,7 +132,7 @@ def summarize(zones, R_ref, R, W, margins):
     return largest, _angle(R_ref, load9(R, 0)), _angle(load9(R, 0), load9(R, W.shape[0]))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def repeat_last(lam):
     """Repeat the last multipliers in the row after them."""
     N = lam.shape[0] - 1
@@ -139,7 +140,7 @@ def repeat_last(lam):
         lam[N, i] = lam[N - 1, i]
 
 
-@kernel
+@inner_kernel
 def leave_no_plan(R, Pi, u, lam, margins):
     """Fill everything but the first state with NaN: a rollout that broke off left it as it was."""
     for k in range(u.shape[0]):
@@ -154,7 +155,7 @@ def leave_no_plan(R, Pi, u, lam, margins):
         margins[i] = math.nan
 
 
-@kernel
+@inner_kernel
 def carve(arena, N, n_zones):
     """Cut the arena into (body, data, zones, track), W, (guess, trial, resid, step, fac), rest."""
     m = int(arena[BODY_SIZE + M_U])
@@ -174,7 +175,7 @@ def carve(arena, N, n_zones):
     return problem, W, (guess, trial, resid, step, fac), arena[b + FACTOR_SIZE * N :]
 
 
-@kernel
+@inner_kernel
 def _shoot(problem, horizon, work, rest, kept, options):
     """Solve by single shooting from row 0 of lam; the sweep certifies what it finds.
 
@@ -203,21 +204,21 @@ def _shoot(problem, horizon, work, rest, kept, options):
     return (CONVERGED if pivot > 0.0 else SADDLE), steps, norm, pivot
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def parts_of(plan, arena):
     """Cut a plan of the arena's solver into R, Pi, u, lam, margins, numbers, R_ref."""
     tail = arena.shape[0] - TAIL
     return cut(plan, int(arena[tail + N_AT]), int(arena[tail + ZONES_AT]))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def stand_still(arena):
     """Have the reference of the next solves rest."""
     for i in range(arena.shape[0] - TAIL + MOTION_AT, arena.shape[0]):
         arena[i] = 0.0
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def sum_up(problem, R_ref, horizon, lam, margins, numbers):
     """Fill what is told of a plan: cost, largest |u|^2, angles and zone margins."""
     _, data, zones, track = problem

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
 from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
@@ -69,7 +70,7 @@ def work_size(m: int) -> int:
     return Z_AT + m
 
 
-@kernel
+@inner_kernel
 def _secular(data, W, k, sigma):
     """Find sigma >= 0 with |z|^2 = alpha + sigma / (2 mu0), z_i = y_i / (d_i + sigma), y in W.
 
@@ -162,7 +163,7 @@ def hashed(pattern, number):
     return pattern ^ (pattern >> 32)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def attitude_gradient(h, B_Q1, zones, R):
     """Gradient g_R of the stage cost and zone penalties at R, so that (34) is F^T (lam1 + g_R).
 
@@ -180,7 +181,7 @@ def attitude_gradient(h, B_Q1, zones, R):
     return g, active
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def attitude_hessian(h, B_Q1, zones, R):
     """Matrix G_R with delta g_R = G_R eta for R exp(hat(eta))."""
     G = mat_scale(0.5 * h, trace_minus(mat_t_mat(R, B_Q1)))
@@ -196,7 +197,7 @@ def attitude_hessian(h, B_Q1, zones, R):
     return G
 
 
-@kernel
+@inner_kernel
 def zone_cost(h, zones, R):
     """Sum of the zone penalties h mu max(0, H_i)^2 at R."""
     total = 0.0
@@ -209,7 +210,7 @@ def zone_cost(h, zones, R):
     return total
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p):
     """Matrix Z with delta lam2 = C^-1 (delta lam2_prev - M^T delta lam1 + Z delta Pi), C = A^T.
 
@@ -225,7 +226,7 @@ def costate_curvature(h, S2, Jd, F, M, A, lam1, lam2, p):
     return mat_add(mat_scale(h, S2), Z)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def stage_curvature(data, Jd, W, k, lam1, lam2):
     """`costate_curvature` of stage k, with what a cost of the rate adds in the log form."""
     h, S2 = data[H], data9(data, S_Q2)
@@ -237,14 +238,14 @@ def stage_curvature(data, Jd, W, k, lam1, lam2):
     return mat_add(Z, mat_t_mat(M, mat_mat(rate_hessian(data, F), M))) if rated else Z
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def momentum_map(h, Jd, F):
     """Fact 2: M = h F^T (tr(F Jd) I - F Jd)^-1, so that F^T delta F = hat(M delta Pi); (M, det)."""
     G_inverse, det = inverse(trace_minus(mat_mat(F, Jd)))
     return mat_scale(h, mat_t_mat(F, G_inverse)), det
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def squared_control(W, k):
     """Squared norm |u_k|^2 = |z_k|^2 of the controls of stage k."""
     zz = 0.0
@@ -253,7 +254,7 @@ def squared_control(W, k):
     return zz
 
 
-@kernel
+@inner_kernel
 def stage_cost(data, zones, track, R_k, Pi_k, W, k):
     """Cost of stage k, (27) and penalties h mu max(0, H)^2, with z and sigma from row k of W."""
     h, alpha, mu0 = data[H], data[ALPHA], data[MU0]

@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import inlined_kernel, kernel
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
+from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_nonstandard_inertia,
     relative_quaternion,
@@ -67,7 +68,7 @@ SOLVED, UNSOLVABLE_STEP = 0, 3  # equal to ocp.Status
 U_AT, SI_AT, K1_AT, K2_AT, L1_AT, L2_AT, F_AT, MF_AT, AF_AT, FACTOR_SIZE = range(0, 90, 9)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def store_stage(h, Jd, W, k, q0, q, p):
     """Store F, M, A = F^T + hat(p) M and p = F^T Pi of stage k in W."""
     F = rotation_of(q0, q)
@@ -78,7 +79,7 @@ def store_stage(h, Jd, W, k, q0, q, p):
     store3(W, k, p, P_AT)
 
 
-@kernel
+@inner_kernel
 def sweep_costates(data, zones, track, R, Pi, lam, W):
     """Sweep (34)-(37) backward over a rollout into lam (N, 6).
 
@@ -105,7 +106,7 @@ def sweep_costates(data, zones, track, R, Pi, lam, W):
     return pattern
 
 
-@kernel
+@inner_kernel
 def sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W):
     """Sweep the costates of a rollout; returns the pattern of zones and |lam2 - guess|."""
     pattern, total = sweep_costates(data, zones, track, R, Pi, lam, W), 0.0
@@ -116,7 +117,7 @@ def sweep_residual(data, zones, track, guess, R, Pi, lam, resid, W):
     return pattern, math.sqrt(total)
 
 
-@kernel
+@inner_kernel
 def begin(body, data, R, Pi, W):
     """Roll out what of the first stage no guess changes; returns whether the step exists."""
     h, Pi_0 = data[H], load3(Pi, 0)
@@ -126,7 +127,7 @@ def begin(body, data, R, Pi, W):
     return ok
 
 
-@kernel
+@inner_kernel
 def evaluate_begun(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
     """`evaluate` where `begin`, or an evaluation of another guess, has left the first stage."""
     N = u.shape[0]
@@ -164,7 +165,7 @@ def evaluate(body, data, zones, track, guess, R, Pi, u, lam, resid, W):
     return evaluate_begun(body, data, zones, track, guess, R, Pi, u, lam, resid, W)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _is_definite(S, det):
     """Whether the eigenvalues of S = I + h V22 U or its inverse, which are real, are all positive.
 
@@ -220,7 +221,7 @@ def factorize(body, data, zones, track, R, Pi, lam, W, fac, rho, estimated):
     return indefinite
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def advance_deviation(h, fac, k, eta, d_Pi, du):
     """Carry (eta, delta Pi) over stage k by (39)."""
     return (
@@ -257,7 +258,7 @@ def substitute(h, fac, resid, eta, d_Pi, rho, step):
     return slope
 
 
-@kernel
+@inner_kernel
 def extreme_eigenvalues(Q):
     """Smallest and largest eigenvalue of a symmetric matrix, by the trigonometric formula."""
     mean = (Q[0] + Q[4] + Q[8]) / 3.0
@@ -273,7 +274,7 @@ def extreme_eigenvalues(Q):
     return lowest, mean + 2.0 * size * math.cos(third)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def pivot_inverse(h, fac, k):
     """Inverse of stage k's pivot: the torques' second derivative with all later stages optimal."""
     Q = mat_scale(0.5 / h, mat_mat(load9_flat(fac, k, U_AT), load9_flat(fac, k, SI_AT)))

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._kernels import inlined_kernel, kernel
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
+from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import (
     EYE,
     add,
@@ -48,7 +49,7 @@ HALF_TURN = 1e-12  # |w| up to which an attitude counts as half a turn away: its
 SMALL_SQUARE = 0.05  # theta^2 below which the coefficients of the logarithm are summed as series
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def attitude_cost(Q, R_ref, R):
     """|Q^(1/2) (R - R_ref)|_F^2 / 2, by the difference: accurate however close the two are."""
     D = mat_sub(R, R_ref)
@@ -59,7 +60,7 @@ def attitude_cost(Q, R_ref, R):
     return 0.5 * total
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def stage_attitude_cost(data, R_ref, R):
     """Attitude part of the stage cost: of Q (R - R_ref), or tr(Q (I - R_ref^T R)) in log form."""
     Q = data9(data, Q1)
@@ -68,25 +69,25 @@ def stage_attitude_cost(data, R_ref, R):
     return attitude_cost(Q, R_ref, R)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def rate_cost(data, F):
     """tr(Q (I - F)) with Q = lambda Q2 / h^2."""
     return attitude_cost(data9(data, Q_RATE), EYE, F)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def rate_gradient(data, F):
     """Half the gradient of `rate_cost` to xi, for F exp(hat(xi))."""
     return vee_antisymmetric(mat_mat(data9(data, Q_RATE), F))
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def rate_hessian(data, F):
     """Derivative of `rate_gradient` to xi."""
     return mat_scale(0.5, trace_minus(mat_t_mat(F, data9(data, Q_RATE))))
 
 
-@kernel
+@inner_kernel
 def _quaternion(C):
     """Unit quaternion (w, q) of a rotation, of either sign, by Shepperd's method."""
     trace = C[0] + C[4] + C[8]
@@ -102,7 +103,7 @@ def _quaternion(C):
     return s * w, scale(s, q)
 
 
-@kernel
+@inner_kernel
 def _principal(w, q):
     """Of a quaternion's two signs, the one with an angle below pi; at pi, `lie.log`'s branch."""
     if abs(w) > HALF_TURN:
@@ -110,7 +111,7 @@ def _principal(w, q):
     return (w, q) if max(q[0], q[1], q[2]) >= -min(q[0], q[1], q[2]) else (-w, scale(-1.0, q))
 
 
-@kernel
+@inner_kernel
 def principal_log(C):
     """Rotation vector of C, of length up to pi."""
     w, q = _quaternion(C)
@@ -118,7 +119,7 @@ def principal_log(C):
     return _rotation_vector(w, q)
 
 
-@kernel
+@inner_kernel
 def _rotation_vector(w, q):
     sine = math.sqrt(dot(q, q))
     return scale(2.0 * math.atan2(sine, w) / sine if sine > 0.0 else 2.0, q)
@@ -135,7 +136,7 @@ def continuous_log(R_ref, R):
     return _rotation_vector(w, q)
 
 
-@kernel
+@inner_kernel
 def _bend(t):
     """C = (1 - theta/2 cot(theta/2)) / theta^2 and (dc/dtheta)/theta at t = theta^2."""
     if t < SMALL_SQUARE:
@@ -169,7 +170,7 @@ def _log_curvature(Z, y):
     return mat_add(D, outer(scale(slope, cross(Z, n)), Z))
 
 
-@kernel
+@inner_kernel
 def terminal_costate(data, track, R, Pi):
     """Costates (lam1, lam2) at the end of a rollout R (N+1,3,3), Pi (N+1,3)."""
     N = R.shape[0] - 1
@@ -184,7 +185,7 @@ def terminal_costate(data, track, R, Pi):
     return scale(-0.5, mat_t_vec(log_derivative(Z), y)), scale(-0.5, l2)
 
 
-@kernel
+@inner_kernel
 def terminal_hessian(data, track, R, Pi):
     """Blocks V11, V12, V21, V22 with delta lam = -V (eta, delta Pi) at the end of a rollout."""
     N = R.shape[0] - 1
@@ -206,7 +207,7 @@ def terminal_hessian(data, track, R, Pi):
     )
 
 
-@kernel
+@inner_kernel
 def log_level(data, Z, Pi):
     """|(Z, Pi)|^2 in the weight of the log form."""
     cross_term = dot(Z, mat_vec(log_weight(data, 0, 3), Pi))
@@ -214,7 +215,7 @@ def log_level(data, Z, Pi):
     return attitude + 2.0 * cross_term + momentum
 
 
-@kernel
+@inner_kernel
 def terminal_cost(data, track, R, Pi):
     """Terminal cost at the end of a rollout."""
     N = R.shape[0] - 1

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
 from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import (
     body_inertia,
@@ -38,7 +39,7 @@ def track_size(n: int, m: int) -> int:
     return STAGES_AT + STAGE_SIZE * n + m
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def stage_weighed(track, k):
     """Q1 R_k (Kalabic: R_k Q1) of stage k."""
     return data9(track, STAGES_AT + int(track[STRIDE_AT]) * k)
@@ -50,25 +51,25 @@ def stage_reference(track, k):
     return data9(track, STAGES_AT + int(track[STRIDE_AT]) * k + 9)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def stage_momentum(track, k):
     """Pi_k of stage k of the reference."""
     return data3(track, STAGES_AT + int(track[STRIDE_AT]) * k + 18)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def end_momentum(track):
     """Pi_N of the reference."""
     return data3(track, PI_AT)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def control_reference(track, m, i):
     """Component i of the m reference controls z_ref."""
     return track[track.shape[0] - m + i]
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def is_moving(omega, tau):
     """Whether a rate or a torque is fed forward."""
     return dot(omega, omega) > 0.0 or dot(tau, tau) > 0.0
@@ -93,13 +94,13 @@ def start_of_motion(body, h, omega, tau):
     return Pi, add(needed, beyond)
 
 
-@inlined_kernel
+@inlined_inner_kernel
 def _store(values, track, at):
     for i in range(len(values)):
         track[at + i] = values[i]
 
 
-@kernel
+@inner_kernel
 def _store_stage(data, R, Pi, track, at):
     Q = data9(data, Q1)
     _store(mat_mat(R, Q) if data[LOG_FORM] > 0.0 else mat_mat(Q, R), track, at)
