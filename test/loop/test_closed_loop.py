@@ -19,6 +19,7 @@ from spacecraft_gnc.ocp import (
     _sweep_kernels,
 )
 from spacecraft_gnc.vehicles.rigid_body.flight import RigidBodyFlight
+from spacecraft_gnc.vehicles.rigid_body.plant import RigidBodyPlant
 
 REFERENCE = Path(__file__).parents[1] / "data" / "gupta2015_case1_ipopt.npz"
 
@@ -56,9 +57,14 @@ def test_two_runs_of_one_loop_are_equal_bit_for_bit(build):
     assert np.array_equal(first.final_attitude, second.final_attitude)
 
 
-def test_progress_is_told_every_step(build):
-    seen = []
-    build(5).run(lambda step, n: seen.append((step, n)))
+class OwnPlant(RigidBodyPlant):
+    """A plant that may do anything in a step."""
+
+
+def test_progress_is_told_after_every_step_that_is_flown_by_itself(build):
+    seen, loop = [], build(5)
+    loop.plant = OwnPlant(loop.plant.body, np.eye(3), np.zeros(3), 5)
+    loop.run(lambda step, n: seen.append((step, n)))
     assert seen == [(k, 5) for k in range(1, 6)]
 
 

@@ -35,15 +35,18 @@ def test_without_a_solve_there_is_no_status():
     assert Command(np.zeros(3), Source.ZERO, None).status is None
 
 
-def test_the_record_keeps_the_status_of_the_command(build, monkeypatch):
-    solve = ShootingController.command
+class Reporting(ShootingController):
+    """A controller whose second step is a standstill, and whose third one solves nothing."""
 
     def command(self, state, reference):
-        found = solve(self, state, reference)
+        found = super().command(state, reference)
         stuck = found.report._replace(standstill=STUCK)
         return found._replace(report=[found.report, stuck, SolveReport(None)][state.step])
 
-    monkeypatch.setattr(ShootingController, "command", command)
-    flown = build(3).run()
+
+def test_the_record_keeps_the_status_of_the_command(build):
+    loop = build(3)
+    loop.controller = Reporting(loop.controller.solver)
+    flown = loop.run()
     assert flown.status.tolist() == [Status.CONVERGED, Status.STALLED, -1]
     assert np.isfinite(flown.residual).tolist() == [True, True, False]
