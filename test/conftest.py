@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 
@@ -19,6 +20,12 @@ settings.load_profile("fixed")
 # writes to the user's own cache.
 _CACHE = Path(__file__).parent.parent / ".pytest_cache" / "periodic_sets"
 os.environ.setdefault("SPACECRAFT_GNC_CACHE", str(_CACHE))
+
+
+@pytest.fixture(autouse=True)
+def no_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let no machine be so slow that a command tells of its progress."""
+    monkeypatch.setattr("spacecraft_gnc.cli._progress._PATIENCE", math.inf)
 
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects by the marker added here

@@ -45,7 +45,6 @@ def run(capsys: pytest.CaptureFixture[str], *argv: str) -> tuple[int, str, str]:
 def test_a_campaign_is_flown_and_the_same_command_again_finds_it_complete(
     command, tmp_path, capsys, monkeypatch
 ) -> None:
-    monkeypatch.setattr("spacecraft_gnc.cli._progress._PATIENCE", 1e9)
     code, out, err = run(capsys, *command)
     assert (code, err) == (0, "")
     assert out.startswith(f"{tmp_path / 'out'}: 12 runs of ")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 
 import pytest
 from cli.test_bad_scenarios import run
@@ -29,12 +28,6 @@ def tampered(bag, tmp_path_factory):
             other[36] ^= 1
         changed.append((topic, stamp, bytes(other)))
     return rewrite(bag, tmp_path_factory.mktemp("tampered") / "bag", changed)
-
-
-@pytest.fixture(autouse=True)
-def no_progress(monkeypatch):
-    """Let no machine be so slow that it tells of its progress."""
-    monkeypatch.setattr("spacecraft_gnc.cli._progress._PATIENCE", math.inf)
 
 
 def test_a_flight_that_is_what_it_says(bag, capsys):
