@@ -53,6 +53,8 @@ class Bitcode(codegen.JITCodeLibrary):  # type: ignore[misc]
     """Bitcode of a kernel that only kernels call, without machine code of its own."""
 
     codegen = SimpleNamespace(set_env=lambda *_: None)  # no code that has any
+    is_inlined = False
+    """Whether it is put into its callers, which optimize all that they consist of."""
 
     @classmethod
     def loaded(cls, generator: Any, stored: Any) -> Bitcode:
@@ -72,7 +74,8 @@ class Bitcode(codegen.JITCodeLibrary):  # type: ignore[misc]
         return self.name, "bitcode", self._get_module_for_linking().as_bitcode()
 
     def _optimize_final_module(self) -> None:
-        """Leave it to the kernels that link it, which optimize all that they consist of."""
+        if not self.is_inlined:
+            super()._optimize_final_module()
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()

@@ -24,6 +24,7 @@ class _ToBitcode(Compiler):  # type: ignore[misc]  # numba has no types
         """Return numba's passes."""
         generator, name = self.state.targetctx.codegen(), self.state.func_id.func_qualname
         self.state.library = Bitcode(generator, name)
+        self.state.library.is_inlined = bool(self.state.flags.forceinline)
         return super().define_pipelines()
 
 
