@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import numpy as np
 from typing_extensions import Self
@@ -66,46 +66,60 @@ class PlanLayout:
             yield plans[:, place].reshape((len(plans), *shape))
 
 
-class _Made(NamedTuple):
-    """What a kernel left, of which the fields of a solution are made when they are asked for."""
-
-    plan: Array
-    layout: PlanLayout
-    status: int
-    solve_time: float
-    feedforward: Array
-
-    def number(self, i: int) -> float:
-        return self.plan.item(self.layout.numbers + i)
-
-    def torque_margin(self) -> float:
-        limit = self.layout.ocp.max_torque
-        return limit - self.number(5) ** 0.5 if limit > 0.0 else math.inf
+_Maker = Callable[[Array, PlanLayout, int, float, Array], Any]
+"""Makes a field of what a solve left: plan, its layout, status, time, feedforward."""
 
 
-_MAKERS: Final[dict[str, Callable[[_Made], Any]]] = {
-    "torques": lambda made: made.layout.part(made.plan, 2),
-    "attitudes": lambda made: made.layout.part(made.plan, 0),
-    "momenta": lambda made: made.layout.part(made.plan, 1),
-    "multipliers": lambda made: made.layout.part(made.plan, 3),
-    "cost": lambda made: made.number(3),
-    "status": lambda made: _STATUSES[made.status],
-    "iterations": lambda made: int(made.number(1)),
-    "residual": lambda made: made.number(2),
-    "solve_time": lambda made: made.solve_time,
-    "torque_margin": lambda made: made.torque_margin(),
-    "reference": lambda made: made.layout.part(made.plan, 6),
-    "ocp": lambda made: made.layout.ocp,
-    "formulation": lambda made: made.layout.formulation,
-    "min_curvature": lambda made: made.number(4),
-    "zone_margins": lambda made: made.layout.part(made.plan, 4),
-    "attitude_error": lambda made: made.number(6),
-    "travel": lambda made: made.number(7),
-    "terminal_level": lambda _: math.nan,
-    "terminal_multiplier": lambda _: 0.0,
-    "feedforward": lambda made: made.feedforward,
+def _part(i: int) -> _Maker:
+    return lambda plan, layout, *_: layout.part(plan, i)
+
+
+def _number(i: int) -> _Maker:
+    return lambda plan, layout, *_: plan.item(layout.numbers + i)
+
+
+def _torque_margin(plan: Array, layout: PlanLayout, *_: Any) -> float:
+    limit = layout.ocp.max_torque
+    return limit - plan.item(layout.numbers + 5) ** 0.5 if limit > 0.0 else math.inf
+
+
+_MAKERS: Final[dict[str, _Maker]] = {
+    "torques": _part(2),
+    "attitudes": _part(0),
+    "momenta": _part(1),
+    "multipliers": _part(3),
+    "cost": _number(3),
+    "status": lambda _plan, _layout, status, *_: _STATUSES[status],
+    "iterations": lambda plan, layout, *_: int(plan.item(layout.numbers + 1)),
+    "residual": _number(2),
+    "solve_time": lambda _plan, _layout, _status, time, _motion: time,
+    "torque_margin": _torque_margin,
+    "reference": _part(6),
+    "ocp": lambda _plan, layout, *_: layout.ocp,
+    "formulation": lambda _plan, layout, *_: layout.formulation,
+    "min_curvature": _number(4),
+    "zone_margins": _part(4),
+    "attitude_error": _number(6),
+    "travel": _number(7),
+    "terminal_level": lambda *_: math.nan,
+    "terminal_multiplier": lambda *_: 0.0,
+    "feedforward": lambda _plan, _layout, _status, _time, motion: motion,
 }
-"""Every field of a `Solution`, in order, and how it is made of a plan."""
+"""Every field of a `Solution`, in order, and how it is made."""
+
+
+class _Field:
+    """Field of a solution, made when it is first asked for, and then kept in its dictionary."""
+
+    def __init__(self, name: str, make: _Maker) -> None:
+        self._name, self._make = name, make
+
+    def __get__(self, solution: Any, _owner: object = None) -> Any:
+        if solution is None:
+            return self
+        value = solution.__dict__[self._name] = self._make(*solution._made)  # noqa: SLF001 - its own
+        return value
+
 
 _put: Final = object.__setattr__
 
@@ -161,8 +175,6 @@ class Solution:
     feedforward : (2, 3) array
         Angular velocity [rad/s] and torque [N m] with which that attitude moves.
     """
-
-    __slots__ = (*_MAKERS, "_made")
 
     torques: Array
     attitudes: Array
@@ -230,17 +242,6 @@ class Solution:
         _put(solution, "_made", (plan, layout, status, solve_time, feedforward))
         return solution
 
-    if not TYPE_CHECKING:  # else any name would pass for a field
-
-        def __getattr__(self, name: str) -> Any:
-            """Make a field when it is first asked for."""
-            maker = _MAKERS.get(name)
-            if maker is None:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            value = maker(_Made(*self._made))
-            _put(self, name, value)
-            return value
-
     def __setattr__(self, name: str, value: object) -> NoReturn:
         """Refuse: a solution stays as it was found."""
         raise AttributeError(f"{name}: a solution cannot be changed; use replace({name}=...)")
@@ -306,3 +307,7 @@ class Solution:
             return np.asarray(self.torques @ ocp.allocation.T)
         cheap = ocp.control_axes / np.sqrt(ocp.control_weights)
         return np.asarray((cheap @ (np.linalg.pinv(B @ cheap) @ self.torques.T)).T)
+
+
+for _name, _make in _MAKERS.items():
+    setattr(Solution, _name, _Field(_name, _make))
