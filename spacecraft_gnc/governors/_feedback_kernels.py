@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._inner_kernels import inner_kernel
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import body_inverse_inertia
 from spacecraft_gnc.lie._mat3_kernels import (
     add,
@@ -28,33 +28,33 @@ from spacecraft_gnc.lie._mat3_kernels import (
 from spacecraft_gnc.ocp._track_kernels import is_moving, start_of_motion
 
 
-@kernel
+@inlined_kernel
 def attitude_gain(law):
     """A of a packed law."""
     return (law[0], law[1], law[2], law[3], law[4], law[5], law[6], law[7], law[8])
 
 
-@kernel
+@inlined_kernel
 def momentum_gain(law):
     """K of a packed law."""
     return (law[9], law[10], law[11], law[12], law[13], law[14], law[15], law[16], law[17])
 
 
-@inner_kernel
+@inlined_inner_kernel
 def _demand(law, E, Pi):
     """-(K Pi + e), hat(e) = A E - E^T A."""
     e = scale(2.0, vee_antisymmetric(mat_mat(attitude_gain(law), E)))
     return scale(-1.0, add(mat_vec(momentum_gain(law), Pi), e))
 
 
-@inner_kernel
+@inlined_inner_kernel
 def _limited(law, T):
     """T, scaled down to the limit."""
     size = math.sqrt(dot(T, T))
     return scale(law[18] / size, T) if size > law[18] else T
 
 
-@inner_kernel
+@inlined_inner_kernel
 def feedback_torque(law, E, Pi):
     """(9), (10) at rest: T = -(K Pi + e), scaled down to the limit."""
     return _limited(law, _demand(law, E, Pi))
@@ -67,7 +67,7 @@ def tracking_torque(law, body, h, E, Pi, omega, tau):
     return _limited(law, add(u_ref, _demand(law, E, sub(Pi, Pi_ref))))
 
 
-@kernel
+@inlined_kernel
 def lyapunov(law, body, E, Pi):
     """Pi . J^-1 Pi / 2 + tr(A (I - E)) (see `feedback.AttitudeFeedback.lyapunov`)."""
     A = attitude_gain(law)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._inner_kernels import inner_kernel
-from spacecraft_gnc._kernels import kernel
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel, inner_kernel
+from spacecraft_gnc._kernels import inlined_kernel, kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import held, solvable
 from spacecraft_gnc.governors._feedback_kernels import feedback_torque, lyapunov
 from spacecraft_gnc.governors._geodesic_kernels import logarithm
@@ -21,7 +21,7 @@ TORQUE, MOMENTUM, SOLVABLE, INVARIANT, CONVERGENCE, FIRST_ZONE = range(6)
 NOTHING = -1
 
 
-@inner_kernel
+@inlined_inner_kernel
 def quadratic_form(tail, eta, Pi):
     """Value x . P x at x = (eta, Pi)."""
     x = (eta[0], eta[1], eta[2], Pi[0], Pi[1], Pi[2])
@@ -34,11 +34,16 @@ def quadratic_form(tail, eta, Pi):
     return value
 
 
-@inner_kernel
-def in_tail(tail, c, E, Pi):
+@inlined_inner_kernel
+def cosine_of(tail, c):
+    """Cosine of the largest angle of the tail set of level c, at most 1 rad."""
+    return math.cos(tail[6, 1] * math.sqrt(c))
+
+
+@inlined_inner_kernel
+def in_tail(tail, c, cosine, E, Pi):
     """Whether (E, Pi) lies in the tail set of level c; cheap where E alone is too far."""
-    largest = tail[6, 1] * math.sqrt(c)  # at most 1 rad
-    if not 0.5 * (E[0] + E[4] + E[8] - 1.0) >= math.cos(largest):
+    if not 0.5 * (E[0] + E[4] + E[8] - 1.0) >= cosine:
         return False
     return quadratic_form(tail, logarithm(E), Pi) <= c
 
@@ -53,7 +58,7 @@ def tail_level(tail, zones, V, reserve):
     return c
 
 
-@kernel
+@inlined_kernel
 def nearest(limits, law, body, h, zones, C, Pi, E, T, reserve):
     """Constraint nearest to its bound at one step: relative slack, margin beyond reserve, index."""
     slack, margin, which = math.inf, math.inf, NOTHING
@@ -86,6 +91,7 @@ def predict(body, h, substeps, law, limits, zones, tail, states, horizon, reserv
     C, Pi, V = load9_rows(states, 0), load3(states, 3), load9_rows(states, 4)
     V_t = transpose(V)
     c = tail_level(tail, zones, V, reserve)
+    cosine = cosine_of(tail, c)
     least, margin, which = math.inf, math.inf, NOTHING
     for t in range(horizon):
         E = mat_mat(V_t, C)
@@ -95,7 +101,7 @@ def predict(body, h, substeps, law, limits, zones, tail, states, horizon, reserv
             return i, t, m
         if slack < least:
             least, margin, which = slack, m, i
-        if c > 0.0 and in_tail(tail, c, E, Pi):
+        if c > 0.0 and in_tail(tail, c, cosine, E, Pi):
             return which, NOTHING, margin
         C, Pi, done = held(body, h, C, Pi, T, substeps)
         if done != substeps:

@@ -6,7 +6,7 @@ from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.dynamics._lgvi_kernels import held
 from spacecraft_gnc.governors._feedback_kernels import feedback_torque
 from spacecraft_gnc.governors._geodesic_kernels import exponential, logarithm
-from spacecraft_gnc.governors._prediction_kernels import in_tail, quadratic_form
+from spacecraft_gnc.governors._prediction_kernels import cosine_of, in_tail, quadratic_form
 from spacecraft_gnc.lie._mat3_kernels import load3
 
 
@@ -31,11 +31,11 @@ def longest_arrival(body, h, substeps, law, tail, c, samples, most):
 
     The reference is I.
     """
-    longest = 0
+    longest, cosine = 0, cosine_of(tail, c)
     for k in range(samples.shape[0]):
         E, Pi = exponential(load3(samples, k)), load3(samples, k, 3)
         steps = 0
-        while not in_tail(tail, c, E, Pi):
+        while not in_tail(tail, c, cosine, E, Pi):
             E, Pi, done = held(body, h, E, Pi, feedback_torque(law, E, Pi), substeps)
             steps += 1
             if done != substeps or steps > most:

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import math
 
-from spacecraft_gnc._inner_kernels import inner_kernel
+from spacecraft_gnc._inner_kernels import inlined_inner_kernel
 from spacecraft_gnc._kernels import kernel
 from spacecraft_gnc.lie._mat3_kernels import dot, load3, load9_rows, mat_vec
 
 ZONE_SIZE = 8
 
 
-@inner_kernel
+@inlined_inner_kernel
 def zone_margin(zones, i, R):
     """Angle from attitude R to the border of zone i; negative where violated."""
     cosine = dot(load3(zones, i, 3), mat_vec(R, load3(zones, i)))

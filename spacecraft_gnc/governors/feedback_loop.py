@@ -18,7 +18,7 @@ from spacecraft_gnc.governors.feedback import AttitudeFeedback
 from spacecraft_gnc.governors.prediction import Prediction
 from spacecraft_gnc.governors.reference_set import ReferenceSet
 from spacecraft_gnc.governors.tail import Limits, Loop, Tail, horizon_of, tail_of
-from spacecraft_gnc.types import Matrix3, State
+from spacecraft_gnc.types import Matrix3, State, read_only
 
 # Default level of the invariant set, as a share of the lowest unstable equilibrium's.
 _LEVEL = 0.98
@@ -101,7 +101,7 @@ class FeedbackPredictor:
         if self.tail is None:
             tail[6, 1] = 1.0
         self._problem = (
-            *self.loop.arguments, np.array(self.limits), reference_set.rows, tail
+            *self.loop.arguments, np.array(self.limits), reference_set.rows, read_only(tail)
         )  # fmt: skip
         self._states = np.zeros((7, 3))
 
