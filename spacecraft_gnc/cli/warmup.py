@@ -41,7 +41,12 @@ def warmup(
     tasks = deque(_tasks())
     # From both ends, because neighbors share kernels, which two processes would both compile.
     with ThreadPoolExecutor() as threads:
-        list(threads.map(_work_off, [tasks.popleft, tasks.pop][: os.cpu_count()]))
+        try:
+            list(threads.map(_work_off, [tasks.popleft, tasks.pop][: os.cpu_count()]))
+        except BaseException:
+            for worker in multiprocessing.active_children():
+                worker.terminate()
+            raise
     for scenario in [one for fleet in fleets for one in fleet.agents.values()]:
         for core in (
             scenario.build_plant(),
