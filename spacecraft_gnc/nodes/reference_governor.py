@@ -28,7 +28,7 @@ from spacecraft_gnc.signals.graph import GOVERNOR
 from spacecraft_gnc.signals.members import Seams
 
 _NEVER = -1
-_INACTIVE = "is not active yet, as the graph starts; required an active one; try again in a moment"
+_INACTIVE = "is not active, as the graph starts or ends; required an active one; try again later"
 
 
 class _Received(NamedTuple):
@@ -166,8 +166,6 @@ class GovernorNode(GncNode):
         self._decide_next()
 
     def _on_target(self, data: bytes) -> None:
-        if not self.active:
-            return
         wanted = self._targets.signal.value(self._targets.decode(data))
         if not self._door.admits(self._targets.signal):
             return

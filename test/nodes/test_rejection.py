@@ -108,6 +108,20 @@ def test_governor_refuses_a_bad_target(ros: Any) -> None:
     assert np.array_equal(governor._governor.target, turned)
 
 
+def test_a_target_before_the_flight_is_refused_and_told(
+    ros: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    governor = ros.add(GovernorNode())
+    governor.trigger_configure()
+    warned: list[str] = []
+    monkeypatch.setattr(governor, "diagnose", lambda *told: warned.append(told[1]))
+    before = governor._governor.target
+    tell(governor, "target_attitude", reference(0, lie.exp(np.array([0.0, 0.1, 0.0]))))
+    assert governor.refusals == {"target_attitude/values": 1}
+    assert "received while the reference_governor is not active" in warned[0]
+    assert governor._governor.target is before
+
+
 def test_plant_refuses_bad_torques(ros: Any) -> None:
     plant = ros.add(PlantNode())
     started(plant)

@@ -260,8 +260,8 @@ def test_goals_that_wait_for_an_answer_end_with_the_node(
 def test_an_inactive_governor_takes_no_goal(governor: Any, client: Client) -> None:
     governor.trigger_deactivate()
     _, answer = client.result(client.send(0.5))
-    assert "is not active yet" in answer.message
-    assert "required an active one; try again in a moment" in answer.message
+    assert "is not active, as the graph starts or ends" in answer.message
+    assert "required an active one; try again later" in answer.message
 
 
 def test_an_exception_in_the_thread_ends_the_node(ros: Any, governor: Any) -> None:
