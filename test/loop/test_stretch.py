@@ -184,6 +184,14 @@ class Shaped(PassThroughGovernor):
     """A governor that may decide anything."""
 
 
+class Other(RigidBody):
+    """A body that may move in any way."""
+
+
+class Wary(StandstillMonitor):
+    """A monitor that may look for anything."""
+
+
 def test_what_is_derived_flies_step_by_step(build):
     loop = build(5)
     plant, controller, governor = loop.plant, loop.controller, loop.governor
@@ -191,6 +199,11 @@ def test_what_is_derived_flies_step_by_step(build):
     derived = Derived(plant.body, np.eye(3), np.zeros(3), 5)
     assert derived.stretch(controller, governor, 5) is None
     assert plant.stretch(controller, Shaped(np.eye(3)), 5) is None
+    body = Other(plant.body.inertia, plant.body.time_step)
+    moved = RigidBodyPlant(body, np.eye(3), np.zeros(3), 5)
+    assert moved.stretch(controller, governor, 5) is None
+    watched = ShootingController(controller.solver, Wary(controller.solver.ocp, 0.1))
+    assert plant.stretch(watched, governor, 5) is None
     chord = ShootingSolver(controller.solver.ocp, options=ShootingOptions(step_rule="chord"))
     assert plant.stretch(ShootingController(chord), governor, 5) is None
     twin = RigidBodyPlant(plant.body, np.eye(3), np.zeros(3), 5)

@@ -191,7 +191,7 @@ class RigidBodyPlant:
 
         Actuators with a limit are asked step by step.
         """
-        is_ours = type(self) is RigidBodyPlant
+        is_ours = type(self) is RigidBodyPlant and type(self.body) is RigidBody
         if self._is_disturbed or self.actuators.are_limited or not is_ours:
             return None
         from spacecraft_gnc.vehicles.rigid_body.stretch import stretch_of  # loads the solvers

@@ -115,4 +115,6 @@ def stretch_of(
     solver = controller.solver
     if type(solver) is not ShootingSolver or solver.options.step_rule == _KEPT_FACTORS:
         return None
+    if controller.rest is None:
+        return None
     return ShootingStretch(plant, controller, solver, most)

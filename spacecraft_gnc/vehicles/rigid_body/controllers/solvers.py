@@ -111,9 +111,14 @@ class SolverController:
         return math.inf if self._continuation is None else float(self._continuation.patience)
 
     @property
-    def rest(self) -> tuple[float, float, float, float]:
-        """`StandstillMonitor.rest`; without a monitor one that no loop comes to."""
-        return (math.inf, 0.0, 0.0, 0.0) if self._monitor is None else self._monitor.rest
+    def rest(self) -> tuple[float, float, float, float] | None:
+        """`StandstillMonitor.rest`; without a monitor one that no loop comes to.
+
+        None for a monitor of a derived class, which may look for anything.
+        """
+        if self._monitor is None:
+            return (math.inf, 0.0, 0.0, 0.0)
+        return self._monitor.rest if type(self._monitor) is StandstillMonitor else None
 
     def warm_up(self) -> None:
         """Compile or load the kernels, those of the ladder and the standstill included."""
