@@ -44,6 +44,7 @@ def warmup(
         try:
             list(threads.map(_work_off, [tasks.popleft, tasks.pop][: os.cpu_count()]))
         except BaseException:
+            tasks.clear()
             for worker in multiprocessing.active_children():
                 worker.terminate()
             raise
