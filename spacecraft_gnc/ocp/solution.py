@@ -109,7 +109,10 @@ _MAKERS: Final[dict[str, _Maker]] = {
 
 
 class _Field:
-    """Field of a solution, made when it is first asked for, and then kept in its dictionary."""
+    """Field of a solution, made when it is first asked for, and then kept in its dictionary.
+
+    `functools.cached_property` takes a lock each time before Python 3.12.
+    """
 
     def __init__(self, name: str, make: _Maker) -> None:
         self._name, self._make = name, make

@@ -100,7 +100,6 @@ def time_solves(scenario: Scenario, repeats: int = 20) -> dict[str, Any]:
     """
     ocp, plant = problem_of(scenario), scenario.build_plant()
     solver, warm = ShootingSolver(ocp), np.zeros((ocp.horizon, 6))
-    solver.warm_up()
     state, states, starts = plant.state, [], []
     for _ in range(plant.n_steps):
         solution = solver.solve(state.attitude, state.momentum, warm_start=warm)
@@ -108,14 +107,14 @@ def time_solves(scenario: Scenario, repeats: int = 20) -> dict[str, Any]:
         starts.append(warm)
         warm = solution.multipliers[1:]
         state = plant.step(solution.torques[0])
-    states, starts = states[1:], starts[1:]
+    states, guesses = states[1:], np.array(starts[1:])
     attitudes = np.array([s.attitude for s in states])
     momenta = np.array([s.momentum for s in states])
     together, calls = [], []
     for _ in range(repeats + 1):
-        batch = solver.solve_batch(attitudes, momenta, warm_starts=np.array(starts))
+        batch = solver.solve_batch(attitudes, momenta, warm_starts=guesses)
         together.append(batch.solve_time / len(states))
-        for state, warm in zip(states, starts, strict=True):
+        for state, warm in zip(states, guesses, strict=True):
             begun = perf_counter()
             solver.solve(state.attitude, state.momentum, warm_start=warm)
             calls.append(perf_counter() - begun)
